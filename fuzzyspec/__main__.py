@@ -1,0 +1,5 @@
+"""``python -m fuzzyspec`` is ``fuzzyc``."""
+
+from fuzzyspec.cli.main import entry
+
+entry()

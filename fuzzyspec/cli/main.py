@@ -1,0 +1,75 @@
+"""``fuzzyc``: find the command, run it, turn whatever happens into an exit status.
+
+Exit status: 0 fine; 1 the spec or the verification failed; 2 wrong usage or a missing tool; 70 a bug of
+ours; 130 interrupted; 141 whoever read our output went away.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import importlib.util
+import os
+import sys
+from collections.abc import Sequence
+
+from fuzzyspec.cli import terminal
+from fuzzyspec.diagnostics.diagnostic import SpecError
+from fuzzyspec.diagnostics.refusal import Refusal
+from fuzzyspec.version import __version__
+
+COMMANDS = ("compile", "check", "verify", "eval", "explain", "sim", "doctor")
+"""Modules of ``fuzzyspec.cli``, in the order that ``--help`` shows them."""
+
+FINE, FAILED, MISUSED, BUG, INTERRUPTED, UNREAD = 0, 1, 2, 70, 130, 141
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The whole command line. Cheap: commands import what they need when they run."""
+    parser = argparse.ArgumentParser(
+        prog="fuzzyc",
+        description="Compile a fuzzy controller to fixed-point C, and show that the C does what the spec says.",
+        epilog="exit status: 0 fine, 1 the spec or the verification failed, 2 wrong usage or a missing tool, "
+        "70 a bug in fuzzyc",
+    )
+    parser.add_argument("--version", action="version", version=f"fuzzyc {__version__}")
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
+    for name in COMMANDS:
+        module = f"fuzzyspec.cli.{name}"
+        if importlib.util.find_spec(module) is not None:
+            importlib.import_module(module).register(subparsers)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; the exit status. Only what Python raises for ``--help`` and wrong usage leaves as SystemExit."""
+    terminal.speak_utf8()
+    try:
+        arguments = build_parser().parse_args(argv)
+        status: int = arguments.run(arguments)
+        sys.stdout.flush()
+    except SpecError as error:
+        terminal.print_diagnostics(error.diagnostics, error.source)
+        return FAILED
+    except Refusal as error:
+        terminal.complain(str(error))
+        return MISUSED
+    except BrokenPipeError:
+        # What is still buffered must not fail again when the interpreter flushes on its way out.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return UNREAD
+    except OSError as error:
+        terminal.complain(f"{error.filename}: {error.strerror}" if error.filename is not None else str(error))
+        return MISUSED
+    except KeyboardInterrupt:
+        terminal.complain("interrupted")
+        return INTERRUPTED
+    except Exception as error:
+        terminal.print_bug_box(error, list(sys.argv[1:] if argv is None else argv))
+        return BUG
+    return status
+
+
+def entry() -> None:
+    """The console script."""
+    sys.exit(main())
