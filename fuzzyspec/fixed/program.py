@@ -287,13 +287,14 @@ class SetStatus:
 
 @dataclass(frozen=True, slots=True)
 class CallFunction:
-    """Call another function of the module.
+    """Call another function of the module; its decisions are recorded under ``<id>.<key>``.
 
     ``arguments`` follow the callee's inputs and are legal raws; ``results`` are (callee output name, local that it is read
     into), declared by this statement. ``state`` names the callee's part of the caller's state, or None. ``held`` maps a
     status bit of the callee to the caller's bit that repeats it.
     """
 
+    id: str
     callee: str
     arguments: tuple[Expr, ...]
     results: tuple[tuple[str, Local], ...]

@@ -1,0 +1,236 @@
+"""Constructors of program expressions: each derives the interval of what it builds.
+
+They refuse, with :class:`RangeError`, whatever could leave the 32-bit type it is computed in, so range analysis is not a
+later pass but the only way to make a node. Constants fold.
+"""
+
+from __future__ import annotations
+
+from fuzzyspec.fixed.program import (
+    Above,
+    Binary,
+    BinaryOp,
+    Compare,
+    CompareOp,
+    Const,
+    CType,
+    Expr,
+    Greatest,
+    Least,
+    Local,
+    MulHigh,
+    Quotient,
+    Select,
+    Test,
+)
+
+LIMITS: dict[CType, tuple[int, int]] = {
+    "uint8": (0, 2**8 - 1),
+    "int8": (-(2**7), 2**7 - 1),
+    "uint16": (0, 2**16 - 1),
+    "int16": (-(2**15), 2**15 - 1),
+    "uint32": (0, 2**32 - 1),
+    "int32": (-(2**31), 2**31 - 1),
+}
+UINT32_MAX = 2**32 - 1
+INT32_MIN, INT32_MAX = -(2**31), 2**31 - 1
+
+
+class RangeError(ValueError):
+    """An intermediate would not fit its 32-bit type."""
+
+
+def fits(*intervals: tuple[int, int]) -> bool:
+    """Whether an operation over these intervals (operands and result) can be computed in one 32-bit type."""
+    lo = min(i[0] for i in intervals)
+    hi = max(i[1] for i in intervals)
+    return hi <= UINT32_MAX if lo >= 0 else lo >= INT32_MIN and hi <= INT32_MAX
+
+
+def smallest_type(lo: int, hi: int) -> CType:
+    """The narrowest C type that holds ``[lo, hi]``; unsigned where it can be."""
+    order: tuple[CType, ...] = ("uint8", "uint16", "uint32") if lo >= 0 else ("int8", "int16", "int32")
+    for ctype in order:
+        if LIMITS[ctype][0] <= lo and hi <= LIMITS[ctype][1]:
+            return ctype
+    raise RangeError(f"no 32-bit type holds {lo} .. {hi}")
+
+
+def local(name: str, value: Expr, *, ctype: CType | None = None, lo: int | None = None, hi: int | None = None) -> Local:
+    """A local wide enough for ``value`` (or for the wider interval given, where it is set again later)."""
+    low = value.lo if lo is None else min(lo, value.lo)
+    high = value.hi if hi is None else max(hi, value.hi)
+    return Local(name, ctype or smallest_type(low, high), low, high)
+
+
+def _binary(op: BinaryOp, left: Expr, right: Expr, lo: int, hi: int) -> Expr:
+    if not fits((left.lo, left.hi), (right.lo, right.hi), (lo, hi)):
+        raise RangeError(
+            f"{left.lo} .. {left.hi} {op} {right.lo} .. {right.hi} = {lo} .. {hi} does not fit 32 bits",
+        )
+    return Binary(op, left, right, lo, hi)
+
+
+def add(left: Expr, right: Expr) -> Expr:
+    if isinstance(left, Const) and isinstance(right, Const):
+        return Const(left.value + right.value)
+    if isinstance(left, Const) and left.value == 0:
+        return right
+    if isinstance(right, Const):
+        if right.value == 0:
+            return left
+        if right.value < 0:
+            return sub(left, Const(-right.value))
+    return _binary("+", left, right, left.lo + right.lo, left.hi + right.hi)
+
+
+def sub(left: Expr, right: Expr) -> Expr:
+    if isinstance(right, Const):
+        if right.value == 0:
+            return left
+        if isinstance(left, Const):
+            return Const(left.value - right.value)
+        if right.value < 0:
+            return add(left, Const(-right.value))
+    return _binary("-", left, right, left.lo - right.hi, left.hi - right.lo)
+
+
+def sub_guarded(left: Expr, right: Expr, hi: int) -> Expr:
+    """``left - right`` where a test around it, or the caller's proof, holds the result in ``[0, hi]``."""
+    if isinstance(right, Const) and right.value == 0:
+        return left
+    return _binary("-", left, right, 0, hi)
+
+
+def add_bounded(left: Expr, right: Expr, hi: int) -> Expr:
+    """``left + right`` where the caller's proof (a loop invariant) holds the result in ``[0, hi]``."""
+    return _binary("+", left, right, 0, hi)
+
+
+def mul(left: Expr, right: Expr) -> Expr:
+    if isinstance(left, Const):
+        left, right = right, left
+    if isinstance(right, Const):
+        if isinstance(left, Const):
+            return Const(left.value * right.value)
+        if right.value == 1:
+            return left
+        if right.value == 0:
+            return Const(0)
+    products = [a * b for a in (left.lo, left.hi) for b in (right.lo, right.hi)]
+    return _binary("*", left, right, min(products), max(products))
+
+
+def floor_div(left: Expr, right: Expr) -> Expr:
+    if left.lo < 0 or right.lo < 1:
+        raise RangeError("division of a negative, or by what may be 0")
+    if isinstance(right, Const):
+        if right.value == 1:
+            return left
+        if right.value & (right.value - 1) == 0:
+            return shift_right(left, right.value.bit_length() - 1)
+    return _binary("/", left, right, left.lo // right.hi, left.hi // right.lo)
+
+
+def shift_right(left: Expr, count: int) -> Expr:
+    if left.lo < 0 or not 0 <= count < 32:
+        raise RangeError("shift of a negative, or by 32 and more")
+    if count == 0:
+        return left
+    if isinstance(left, Const):
+        return Const(left.value >> count)
+    return _binary(">>", left, Const(count), left.lo >> count, left.hi >> count)
+
+
+def shift_left(left: Expr, count: int) -> Expr:
+    if left.lo < 0 or not 0 <= count < 32:
+        raise RangeError("shift of a negative, or by 32 and more")
+    if count == 0:
+        return left
+    return _binary("<<", left, Const(count), left.lo << count, left.hi << count)
+
+
+def rounded_shift(left: Expr, count: int) -> Expr:
+    """Shift right, rounding to nearest, ties up."""
+    if count == 0:
+        return left
+    return shift_right(add(left, Const(1 << (count - 1))), count)
+
+
+def least(left: Expr, right: Expr) -> Expr:
+    if left.hi <= right.lo:
+        return left
+    if right.hi <= left.lo:
+        return right
+    _atoms(left, right)
+    return Least(left, right, min(left.lo, right.lo), min(left.hi, right.hi))
+
+
+def greatest(left: Expr, right: Expr) -> Expr:
+    if left.lo >= right.hi:
+        return left
+    if right.lo >= left.hi:
+        return right
+    _atoms(left, right)
+    return Greatest(left, right, max(left.lo, right.lo), max(left.hi, right.hi))
+
+
+def above(left: Expr, right: Expr) -> Expr:
+    """``max(left - right, 0)``."""
+    if left.lo >= right.hi:
+        return sub(left, right)
+    if left.hi <= right.lo:
+        return Const(0)
+    _atoms(left, right)
+    if not fits((left.lo, left.hi), (right.lo, right.hi)):
+        raise RangeError("operands of a guarded difference do not fit one 32-bit type")
+    return Above(left, right, max(left.lo - right.hi, 0), left.hi - right.lo)
+
+
+def select(test: Test, then: Expr, other: Expr) -> Expr:
+    if then == other:
+        return then
+    return Select(test, then, other, min(then.lo, other.lo), max(then.hi, other.hi))
+
+
+def mul_high(left: Expr, right: Expr) -> Expr:
+    if left.lo < 0 or right.lo < 0 or right.hi > 65536 or left.hi > UINT32_MAX:
+        raise RangeError("mul_high takes a uint32 and at most 65536")
+    return MulHigh(left, right, (left.lo * right.lo) >> 16, (left.hi * right.hi) >> 16)
+
+
+def quotient(num: Expr, den: Expr) -> Expr:
+    if num.lo < 0 or den.lo < 0 or den.hi >= 2**31 or num.hi > UINT32_MAX:
+        raise RangeError("the quotient's divisor must stay below 2**31")
+    return Quotient(num, den)
+
+
+def compare(op: CompareOp, left: Expr, right: Expr) -> Test:
+    if not fits((left.lo, left.hi), (right.lo, right.hi)):
+        raise RangeError("the two sides of a comparison do not fit one 32-bit type")
+    return Compare(op, left, right)
+
+
+def always(test: Test) -> bool | None:
+    """What a comparison is for every value of its operands' intervals, or None where it varies."""
+    if not isinstance(test, Compare):
+        return None
+    a, b = test.left, test.right
+    match test.op:
+        case "<":
+            return True if a.hi < b.lo else False if a.lo >= b.hi else None
+        case "<=":
+            return True if a.hi <= b.lo else False if a.lo > b.hi else None
+        case ">":
+            return True if a.lo > b.hi else False if a.hi <= b.lo else None
+        case ">=":
+            return True if a.lo >= b.hi else False if a.hi < b.lo else None
+        case "==":
+            return True if a.lo == a.hi == b.lo == b.hi else False if a.hi < b.lo or b.hi < a.lo else None
+        case "!=":
+            return False if a.lo == a.hi == b.lo == b.hi else True if a.hi < b.lo or b.hi < a.lo else None
+
+
+def _atoms(left: Expr, right: Expr) -> None:
+    if not isinstance(left, Const | Local) or not isinstance(right, Const | Local):
+        raise TypeError("min, max and guarded differences take locals and constants: bind the operand first")
