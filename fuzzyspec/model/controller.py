@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Literal
 
 from fuzzyspec.diagnostics.diagnostic import Span
+from fuzzyspec.model.account import Account
 from fuzzyspec.model.term import Term
 from fuzzyspec.model.variable import Variable
 
@@ -149,6 +150,8 @@ class Controller:
     behaviors: tuple[Behavior, ...]
     always_fires: tuple[bool, ...]
     span: Span
+    account: Account | None = None
+    """How the rules shared the cells; None where there are no cells."""
 
     @property
     def holds(self) -> bool:
