@@ -1,0 +1,75 @@
+# Every recipe runs in this folder with relative names, so a space in the path to it does no harm.
+SHELL := /bin/sh
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.SUFFIXES:
+MAKEFLAGS += --no-print-directory
+
+PYTHON ?= python3
+BIN := .venv/bin
+EXAMPLES := $(basename $(notdir $(wildcard examples/*.fz)))
+
+# An environment knows the folder it was made in; in a moved checkout, or without its Python, it is made anew.
+ifneq ($(shell .venv/bin/python -c '' 2>/dev/null && cat .venv/made-in 2>/dev/null),$(CURDIR))
+.PHONY: .venv/made-in
+endif
+
+.PHONY: help demo test lint pytest test-long wheel generated clean compiler
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
+	@echo "  make ... PYTHON=/path/to/python3   with another Python (3.11 or later)"
+
+demo: .venv/for-demo ## compile nav.fz, verify it, run the paper's two robots under the generated C
+	@$(BIN)/python scripts/demo.py out
+
+test: lint pytest ## ruff, mypy, the import contract and the tests: under ten minutes
+
+lint: .venv/for-test
+	@$(BIN)/python -m ruff check --quiet
+	@$(BIN)/python -m mypy
+	@$(BIN)/lint-imports
+
+pytest: .venv/for-test
+	@$(BIN)/python -m pytest -n auto -m "not long"
+
+test-long: .venv/for-test lint wheel ## everything: also the tests that take minutes and an installed wheel
+	@$(BIN)/python -m pytest -n auto
+
+wheel: .venv/for-test ## build the wheel, install it into an empty environment, compile from another folder
+	@$(BIN)/python scripts/try_wheel.py
+
+generated: .venv/for-demo ## bring generated/ up to date with the examples
+	@for name in $(EXAMPLES); do $(BIN)/fuzzyc compile "examples/$$name.fz" -o "generated/$$name" || exit $$?; done
+
+clean: ## remove what make made, .venv too
+	rm -rf .venv out build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+
+# --- the environment -------------------------------------------------------------------------
+
+.venv/made-in:
+	@command -v "$(PYTHON)" >/dev/null 2>&1 || \
+	  { echo "fuzzyc: '$(PYTHON)' was not found: install Python 3.11 or later, or run make with PYTHON=/path/to/python3" >&2; exit 1; }
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "fuzzyc: '$(PYTHON)' is older than Python 3.11: run make with PYTHON=/path/to/a/newer/python3" >&2; exit 1; }
+	@"$(PYTHON)" -c 'import venv, ensurepip' 2>/dev/null || \
+	  { echo "fuzzyc: '$(PYTHON)' has no venv module: install it (Debian, Ubuntu: apt install python3-venv)" >&2; exit 1; }
+	@echo "making .venv"
+	@rm -rf .venv
+	@"$(PYTHON)" -m venv .venv
+	@pwd > $@
+
+compiler: .venv/made-in
+	@for name in $$CC gcc clang cc; do command -v "$$name" >/dev/null 2>&1 && exit 0; done; \
+	  $(BIN)/python -c 'import ziglang' 2>/dev/null || \
+	  { echo "fuzzyc: no C compiler was found: install gcc or clang (Debian, Ubuntu: apt install gcc), or run: $(BIN)/pip install ziglang" >&2; exit 1; }
+
+.venv/for-demo: .venv/made-in pyproject.toml constraints.txt | compiler
+	@echo "installing fuzzyc into .venv"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[sim]'
+	@touch $@
+
+.venv/for-test: .venv/made-in pyproject.toml constraints.txt | compiler
+	@echo "installing fuzzyc and what its tests need into .venv"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[sim,test]'
+	@touch $@ .venv/for-demo
