@@ -1,0 +1,99 @@
+"""The C that loops over a batch: part of the host build only, never of what is compiled for a target.
+
+Each function gets ``fuzzyc_batch_<i>(n, widths, in, out, at)`` over the arrays of its layout. A case gets a fresh input
+struct, an array that holds its own list's records and no more, and an output struct filled with a pattern, so that what
+a function leaves unset shows. ``*at`` is the case that is running: whoever finds the process dead reads it there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from fuzzyspec.emit.names import FunctionNames, Names, name_module
+from fuzzyspec.fixed.program import Function, Program
+from fuzzyspec.native.layout import Layout, layout_of
+
+SIGNATURE = (
+    "int fuzzyc_batch_{index}(size_t n, const size_t *widths, const void *const *in, void *const *out, "
+    "volatile uint64_t *at)"
+)
+SELFTEST = "unsigned fuzzyc_selftest(void)"
+
+
+def print_harness(program: Program) -> str:
+    """The harness of every function of a program."""
+    names = name_module(program)
+    lines = ["#include <stddef.h>", "#include <stdint.h>", "#include <stdlib.h>", "#include <string.h>"]
+    lines += [f'#include "{names.header}"', ""]
+    lines += ["#define FUZZYC_UNUSED(x) ((void)(x))", ""]
+    lines += [f"{SIGNATURE.format(index=i)};" for i in range(len(program.functions))]
+    lines += [f"uint16_t {names.selftest}(void);", f"{SELFTEST};", ""]
+    for index, function in enumerate(program.functions):
+        lines += _batch(index, program, function, names)
+    lines += [SELFTEST, "{", f"    return (unsigned){names.selftest}();", "}"]
+    return "\n".join(lines) + "\n"
+
+
+def _batch(index: int, program: Program, function: Function, names: Names) -> Iterator[str]:
+    layout = layout_of(program, function, names)
+    ins = layout.inputs + layout.state
+    yield SIGNATURE.format(index=index)
+    yield "{"
+    for k, slot in enumerate(ins):
+        yield f"    const {slot.ctype}_t *const in_{k} = (const {slot.ctype}_t *)in[{k}];"
+    outs = [s.ctype for s in layout.outputs] + ["uint32"] + [s.ctype for s in layout.state]
+    for k, ctype in enumerate(outs):
+        yield f"    {ctype}_t *const out_{k} = ({ctype}_t *)out[{k}];"
+    yield "    size_t i;"
+    if not layout.lists:
+        yield "    FUZZYC_UNUSED(widths);"
+    yield ""
+    yield "    for (i = 0; i < n; ++i) {"
+    yield from (f"        {line}" if line else "" for line in _case(layout, names.functions[function.name]))
+    yield "    }"
+    yield "    return 0;"
+    yield "}"
+    yield ""
+
+
+def _case(layout: Layout, names: FunctionNames) -> Iterator[str]:
+    """One case: fill, call, scatter."""
+    yield f"{names.input_t} input;"
+    yield f"{names.output_t} output;"
+    if layout.state:
+        yield f"{names.state_t} state;"
+    for k, listed in enumerate(layout.lists):
+        count = f"(size_t)in_{listed.count}[i]"
+        yield f"const size_t held_{k} = {count} < widths[{k}] ? {count} : widths[{k}];"
+        record, made = names.records[listed.name], f"calloc(held_{k}, sizeof *records_{k})"
+        yield f"{record} *const records_{k} = held_{k} == 0 ? NULL : {made};"
+        yield f"size_t j_{k};"
+    yield ""
+    yield "memset(&input, 0, sizeof input);"
+    yield "memset(&output, 0xA5, sizeof output);"
+    for k, slot in enumerate(layout.inputs):
+        if slot.list is None:
+            yield f"input.{slot.member} = in_{k}[i];"
+    for k, listed in enumerate(layout.lists):
+        yield f"if (held_{k} != 0 && records_{k} == NULL) {{"
+        yield "    return 1;"
+        yield "}"
+        yield f"for (j_{k} = 0; j_{k} < held_{k}; ++j_{k}) {{"
+        for f in listed.fields:
+            yield f"    records_{k}[j_{k}].{layout.inputs[f].member} = in_{f}[i * widths[{k}] + j_{k}];"
+        yield "}"
+        yield f"input.{names.inputs[listed.name]} = records_{k};"
+    if layout.state:
+        yield "memset(&state, 0, sizeof state);"
+    for k, slot in enumerate(layout.state, start=len(layout.inputs)):
+        yield f"state.{slot.member} = in_{k}[i];"
+    yield "*at = (uint64_t)i;"
+    status = len(layout.outputs)
+    arguments = "&state, &input, &output" if layout.state else "&input, &output"
+    yield f"out_{status}[i] = (uint32_t){names.function}({arguments});"
+    for k, slot in enumerate(layout.outputs):
+        yield f"out_{k}[i] = output.{slot.member};"
+    for k, slot in enumerate(layout.state, start=status + 1):
+        yield f"out_{k}[i] = state.{slot.member};"
+    for k in range(len(layout.lists)):
+        yield f"free(records_{k});"

@@ -1,0 +1,100 @@
+"""The host's C compiler: which one, with which flags, and what it said."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fuzzyspec.diagnostics.refusal import MissingTool
+
+STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Wshadow")
+"""What the generated C is clean under, on top of ``-std=c99``."""
+
+SANITIZERS: tuple[tuple[str, ...], ...] = (
+    ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer", "-g"),
+    ("-fsanitize=undefined", "-fno-sanitize-recover=all", "-g"),
+    ("-fsanitize=undefined", "-fsanitize-undefined-trap-on-error", "-g"),
+)
+"""Best first: some compilers come without the address sanitizer's library, some without either."""
+
+
+class BuildError(Exception):
+    """The compiler rejected the C; ``output`` is what it printed."""
+
+    def __init__(self, message: str, output: str) -> None:
+        self.output = output
+        super().__init__(message)
+
+
+@dataclass(frozen=True, slots=True)
+class Toolchain:
+    """A C compiler as the words of its command (``("gcc",)``, ``("python", "-m", "ziglang", "cc")``)."""
+
+    command: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """For reports: the program's name, without its folder."""
+        return "zig cc" if "ziglang" in self.command else Path(self.command[0]).name
+
+    def build(self, sources: Sequence[Path], target: Path, flags: Sequence[str]) -> str:
+        """Compile and link ``sources`` into ``target``; what the compiler printed is returned.
+
+        Raises BuildError where it fails and MissingTool where it cannot be started.
+        """
+        # Relative names, so that what the compiler prints names no temporary folder.
+        folder = target.parent
+        names = [os.path.relpath(s, folder) for s in sources]
+        command = [*self.command, *flags, "-o", target.name, *names]
+        try:
+            done = subprocess.run(
+                command,
+                cwd=folder,
+                env={**os.environ, "LC_ALL": "C"},
+                capture_output=True,
+                text=True,
+                errors="replace",
+                check=False,
+            )
+        except OSError as error:
+            raise MissingTool(f"cannot run the C compiler `{self.command[0]}`: {error.strerror or error}") from error
+        said = done.stdout + done.stderr
+        if done.returncode != 0:
+            raise BuildError(f"{self.name} rejected the C (exit status {done.returncode})", said)
+        return said
+
+
+def find_toolchain(environ: Mapping[str, str] = os.environ) -> Toolchain:
+    """``CC`` if set, else gcc, clang, cc, else the ``ziglang`` package; MissingTool if there is none."""
+    chosen = environ.get("CC", "").strip()
+    if chosen:
+        words = tuple(shlex.split(chosen))
+        if shutil.which(words[0], path=environ.get("PATH")) is None:
+            raise MissingTool(f"CC names `{words[0]}`, which was not found", "unset CC or set it to a C compiler")
+        return Toolchain(words)
+    for name in ("gcc", "clang", "cc"):
+        if shutil.which(name, path=environ.get("PATH")) is not None:
+            return Toolchain((name,))
+    if importlib.util.find_spec("ziglang") is not None:
+        return Toolchain((sys.executable, "-m", "ziglang", "cc"))
+    raise MissingTool(
+        "no C compiler was found (tried CC, gcc, clang, cc and the ziglang package)",
+        "install gcc or clang, or run `pip install ziglang`",
+    )
+
+
+def optimised(*, errors: bool) -> tuple[str, ...]:
+    """Flags of the ordinary build; ``errors`` turns warnings into errors, as for the compiler's own output."""
+    return ("-std=c99", "-O2", *STRICT, *(("-Werror",) if errors else ()))
+
+
+def shared() -> tuple[str, ...]:
+    """Flags that make a shared object whose own symbols win over those already loaded."""
+    return ("-fPIC", "-shared", "-Wl,-Bsymbolic") if sys.platform.startswith("linux") else ("-fPIC", "-shared")

@@ -1,0 +1,65 @@
+"""The temporary folder of a host build: the C, the harness, and what the compiler made of them."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from types import TracebackType
+
+from fuzzyspec.fixed.program import Program
+from fuzzyspec.native.harness import SIGNATURE, print_harness
+from fuzzyspec.native.toolchain import Toolchain
+
+
+class Workspace:
+    """A folder that vanishes with ``close`` (or at the end of ``with``).
+
+    ``files`` are the compiler's output by name: ``<prefix>.h``, ``<prefix>.c`` and ``<prefix>_selftest.c``.
+    """
+
+    def __init__(self, program: Program, files: Mapping[str, bytes]) -> None:
+        self.program = program
+        self._folder = tempfile.TemporaryDirectory(prefix="fuzzyc-")
+        self.path = Path(self._folder.name).resolve()
+        for name, content in files.items():
+            (self.path / name).write_bytes(content)
+        self._write("harness.c", print_harness(program))
+        self._write("batches.h", _batches(len(program.functions)))
+        self._write("runner.c", resources.files("fuzzyspec.native").joinpath("runner.c").read_text(encoding="utf-8"))
+        self.product = tuple(self.path / name for name in sorted(files) if name.endswith(".c"))
+
+    def _write(self, name: str, text: str) -> None:
+        (self.path / name).write_text(text, encoding="utf-8", newline="\n")
+
+    def build(self, toolchain: Toolchain, target: str, flags: tuple[str, ...], *, runner: bool) -> tuple[Path, str]:
+        """Compile the C and its harness, with ``runner`` to a program of its own; the file made, and what was said."""
+        sources = [*self.product, self.path / "harness.c"]
+        if runner:
+            sources.append(self.path / "runner.c")
+        made = self.path / target
+        return made, toolchain.build(sources, made, flags)
+
+    def close(self) -> None:
+        """Remove the folder."""
+        self._folder.cleanup()
+
+    def __enter__(self) -> Workspace:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _batches(count: int) -> str:
+    """The table of batch functions that the runner picks from."""
+    arguments = "size_t, const size_t *, const void *const *, void *const *, volatile uint64_t *"
+    lines = [f"typedef int fuzzyc_batch({arguments});"]
+    lines += [f"{SIGNATURE.format(index=i)};" for i in range(count)]
+    lines += ["unsigned fuzzyc_selftest(void);", f"#define FUZZYC_BATCHES {count}"]
+    lines += ["static fuzzyc_batch *const fuzzyc_batches[FUZZYC_BATCHES] = {"]
+    lines += [f"    fuzzyc_batch_{i}," for i in range(count)]
+    return "\n".join([*lines, "};"]) + "\n"
