@@ -4,8 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
+import shutil
+import subprocess
 import sys
+import tempfile
 from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fuzzyspec.native.toolchain import Toolchain
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +32,8 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = subparsers.add_parser(
         "doctor",
         help="what tools were found, and how to get the rest",
-        description="List the tools that fuzzyc can use, with what was found. Exit status 2 if one that it needs is missing.",
+        description="List the tools that fuzzyc can use, with what was found. "
+        "Exit status 2 if one that it needs is missing.",
     )
     parser.add_argument("--format", choices=("text", "json"), default="text")
     parser.set_defaults(run=run)
@@ -32,7 +41,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the findings; 2 if a needed tool is missing."""
-    findings = (python(), *libraries(), *compilers())
+    findings = (python(), *libraries(), *host_compiler(), *cross_compilers())
     if arguments.format == "json":
         print(json.dumps({"tools": [asdict(finding) for finding in findings]}, indent=2))
     else:
@@ -82,12 +91,58 @@ def package_version(name: str) -> str | None:
         return None
 
 
-def compilers() -> tuple[Finding, ...]:
-    """The C compiler that ``verify`` builds with, its sanitizers, and the cross compilers."""
+def host_compiler() -> tuple[Finding, ...]:
+    """The C compiler that ``verify`` builds with, and the sanitizers that it can link."""
+    from fuzzyspec.diagnostics.refusal import MissingTool
     from fuzzyspec.native.toolchain import find_toolchain
 
+    compiler, sanitizers = "C compiler", "sanitizers"
+    get_compiler = "install gcc or clang (Debian, Ubuntu: apt install gcc), or pip install ziglang"
+    get_sanitizers = "install your compiler's libasan and libubsan, or clang"
     try:
         toolchain = find_toolchain()
-    except Exception:
-        return ()
-    return (Finding("C compiler", "fuzzyc verify", toolchain.name, "", True),)
+    except MissingTool as error:
+        return (
+            Finding(compiler, "fuzzyc verify, eval, sim", None, error.way_out or get_compiler, True),
+            Finding(sanitizers, "fuzzyc verify", None, get_sanitizers, False),
+        )
+    return (
+        Finding(compiler, "fuzzyc verify, eval, sim", first_line(toolchain.command), get_compiler, True),
+        Finding(sanitizers, "fuzzyc verify", linkable_sanitizers(toolchain), get_sanitizers, False),
+    )
+
+
+def linkable_sanitizers(toolchain: Toolchain) -> str | None:
+    """The strongest set of sanitizers that a trivial program builds with."""
+    from fuzzyspec.native.toolchain import SANITIZERS, BuildError
+
+    with tempfile.TemporaryDirectory(prefix="fuzzyc") as name:
+        source = Path(name) / "trivial.c"
+        source.write_text("int main(void) { return 0; }\n", encoding="utf-8")
+        for flags in SANITIZERS:
+            try:
+                toolchain.build([source], source.with_suffix(""), flags)
+            except BuildError:
+                continue
+            return " ".join(flag for flag in flags if flag.startswith("-fsanitize"))
+    return None
+
+
+def cross_compilers() -> tuple[Finding, ...]:
+    """Compilers for boards: nothing here needs them, a user of the generated C may."""
+    listed = (
+        ("arm-none-eabi-gcc", "C for Cortex-M", "apt install --no-install-recommends gcc-arm-none-eabi"),
+        ("avr-gcc", "C for AVR", "apt install gcc-avr avr-libc"),
+        ("riscv64-unknown-elf-gcc", "C for RISC-V", "apt install gcc-riscv64-unknown-elf"),
+    )
+    return tuple(
+        Finding(name, use, first_line((name,)) if shutil.which(name) else None, way_out, False)
+        for name, use, way_out in listed
+    )
+
+
+def first_line(command: tuple[str, ...]) -> str:
+    """What a compiler says of its version."""
+    done = subprocess.run([*command, "--version"], capture_output=True, text=True, errors="replace", check=False)
+    lines = (done.stdout or done.stderr).splitlines()
+    return lines[0].strip() if lines else command[0]
