@@ -9,9 +9,13 @@ PYTHON ?= python3
 BIN := .venv/bin
 EXAMPLES := $(basename $(notdir $(wildcard examples/*.fz)))
 
-# An environment knows the folder it was made in; in a moved checkout, or without its Python, it is made anew.
+# An environment is made anew in a moved checkout, without its Python, or where PYTHON asks for another version.
 ifneq ($(shell .venv/bin/python -c '' 2>/dev/null && cat .venv/made-in 2>/dev/null),$(CURDIR))
 .PHONY: .venv/made-in
+else ifneq ($(origin PYTHON),file)
+ifneq ($(shell "$(PYTHON)" -V 2>&1),$(shell .venv/bin/python -V 2>&1))
+.PHONY: .venv/made-in
+endif
 endif
 
 .PHONY: help demo test lint pytest test-long wheel generated clean compiler
