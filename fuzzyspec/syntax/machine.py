@@ -1,0 +1,105 @@
+"""The stack machine that runs the parser's table.
+
+Stacks are linked and never changed, so that a try costs nothing to take back: recovery looks ahead by running the
+machine itself. Reductions are pure.
+"""
+
+from __future__ import annotations
+
+from fuzzyspec.diagnostics.diagnostic import Span
+from fuzzyspec.syntax.build import BUILDERS, Node
+from fuzzyspec.syntax.table import Production, Table
+from fuzzyspec.syntax.tokens import END, Token
+
+
+class Cell:
+    """Top of a stack: a state, the symbol that led to it, its value, and what lies below."""
+
+    __slots__ = ("below", "depth", "end", "start", "state", "symbol", "value")
+
+    def __init__(self, state: int, symbol: str, value: Node, start: int, end: int, below: Cell | None) -> None:
+        self.state = state
+        self.symbol = symbol
+        self.value = value
+        self.start = start
+        self.end = end
+        self.below = below
+        self.depth: int = 0 if below is None else below.depth + 1
+
+
+class Joined:
+    """Children that join the list of the rule above: kept as a chain until that rule takes them."""
+
+    __slots__ = ("parts",)
+
+    def __init__(self, parts: list[Node]) -> None:
+        self.parts = parts
+
+
+def bottom() -> Cell:
+    return Cell(0, "", None, 0, 0, None)
+
+
+def terminal(table: Table, cell: Cell, token: Token) -> str:
+    """What a token is in this state: a word is a keyword where that can stand, else a name."""
+    if token.kind != "WORD":
+        return token.kind
+    keyword = table.keywords.get(token.text)
+    actions = table.states[cell.state]
+    if keyword is not None and (keyword in actions or "NAME" not in actions):
+        return keyword
+    return "NAME"
+
+
+def advance(table: Table, cell: Cell, token: Token) -> Cell | None:
+    """The stack after a token, or None where it cannot stand."""
+    return advance_as(table, cell, token, terminal(table, cell, token))
+
+
+def advance_as(table: Table, cell: Cell, token: Token, kind: str) -> Cell | None:
+    """The stack after a token that is taken for the terminal ``kind``."""
+    while True:
+        if kind == END and cell.state == table.end:
+            return Cell(cell.state, END, token, token.start, token.end, cell)
+        action = table.states[cell.state].get(kind)
+        if action is None:
+            return None
+        target, production = action
+        if production is None:
+            return Cell(target, kind, token, token.start, token.end, cell)
+        cell = _reduce(table, cell, production)
+
+
+def _reduce(table: Table, cell: Cell, production: Production) -> Cell:
+    count = len(production.symbols)
+    values: list[Node] = []
+    start, end = cell.end, cell.end
+    for i in range(count - 1, -1, -1):
+        if production.keep[i]:
+            values.append(cell.value)
+        start = cell.start
+        assert cell.below is not None
+        cell = cell.below
+    values.reverse()
+    value: Node
+    if production.action == "*":
+        value = Joined(values)
+    elif production.action == "^":
+        value = values[0]
+    else:
+        value = BUILDERS[production.action](_flat(values), Span(start, end))
+    target, _ = table.states[cell.state][production.origin]
+    return Cell(target, production.origin, value, start, end, cell)
+
+
+def _flat(values: list[Node]) -> list[Node]:
+    """Children with joined lists laid out, without recursion: a list of n items is a chain n deep."""
+    flat: list[Node] = []
+    stack = values[::-1]
+    while stack:
+        value = stack.pop()
+        if isinstance(value, Joined):
+            stack.extend(reversed(value.parts))
+        else:
+            flat.append(value)
+    return flat

@@ -1,0 +1,191 @@
+"""Text into tokens: words, numbers and punctuation, and a diagnostic for what is none of these.
+
+Whether a word is a keyword or a name is left to the parser, which knows what can stand there.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source, Span
+from fuzzyspec.syntax import strays
+from fuzzyspec.syntax.table import load
+
+MAX_DIGITS = 40
+"""Digits of one number."""
+MAX_NAME = 64
+"""Characters of one name."""
+
+END = "$END"
+
+
+class Token(NamedTuple):
+    """``kind`` is ``WORD``, ``NUMBER``, ``LABEL``, ``UNIT``, ``COMPARE``, the name of a mark, or ``$END``.
+
+    ``first`` tells that it is the first token of its line, ``made`` that recovery put it in.
+    """
+
+    kind: str
+    text: str
+    start: int
+    end: int
+    first: bool = False
+    made: bool = False
+
+    @property
+    def span(self) -> Span:
+        return Span(self.start, self.end)
+
+
+_SPACE = re.compile(r"[ \t\r\n\f]+|#[^\n]*")
+_NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)?")
+_ODD_NUMBER = re.compile(
+    r"0[xXbBoO][0-9A-Fa-f]+\b"  # another base
+    r"|(?:[0-9]+\.?[0-9]*|\.[0-9]+)[eE][+-]?[0-9]+"  # an exponent
+    r"|[0-9]+(?:[_'][0-9]+)+(?:\.[0-9]+)?"  # digit groups
+    r"|[0-9]+(?:\.[0-9]+){2,}"
+    r"|[0-9]+\.(?![.0-9])"
+    r"|\.[0-9]+"
+)
+_WORD = re.compile(r"[^\W\d]\w*")
+_COLON = re.compile(r"[ \t]*:(?!=)")
+_FACTOR = r"(?:[A-Za-z_][A-Za-z0-9_]*|%)(?:\^-?[0-9]{1,2})?"
+_UNIT = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*")
+_COMPARE = re.compile(r"<=|>=|==|!=|<|>")
+
+
+def tokenize(source: Source) -> tuple[list[Token], list[Diagnostic]]:
+    """Every token of a text, ``$END`` last, and what was wrong with it."""
+    return _Scanner(source).run()
+
+
+@dataclass
+class _Scanner:
+    source: Source
+
+    def run(self) -> tuple[list[Token], list[Diagnostic]]:
+        text = self.source.text
+        table = load()
+        marks = sorted((t for t in table.fixed if not t.isalpha()), key=len, reverse=True)
+        self.marks = re.compile("|".join(re.escape(m) for m in marks))
+        self.fixed = table.fixed
+        self.keywords = table.keywords
+        self.tokens: list[Token] = []
+        self.found: list[Diagnostic] = []
+        self.first = True
+        at = 0
+        while at < len(text):
+            space = _SPACE.match(text, at)
+            if space:
+                at = space.end()
+                self.first = self.first or "\n" in space.group()
+                continue
+            at = self._token(text, at)
+        self._add(END, "", len(text), len(text))
+        return self.tokens, self.found
+
+    def _add(self, kind: str, text: str, start: int, end: int) -> int:
+        self.tokens.append(Token(kind, text, start, end, self.first))
+        self.first = False
+        return end
+
+    def _token(self, text: str, at: int) -> int:
+        """Takes one token at ``at``; returns where it ends."""
+        match text[at]:
+            case c if c.isascii() and c.isdigit():
+                return self._number(text, at)
+            case "." if (odd := _ODD_NUMBER.match(text, at)) and text[at - 1 : at] != ".":
+                return self._odd_number(odd)
+            case c if c.isidentifier() or c == "%":
+                return self._word(text, at)
+        if (compare := _COMPARE.match(text, at)) and not strays.COMBINED.match(text, at):
+            return self._add("COMPARE", compare.group(), at, compare.end())
+        if (mark := self.marks.match(text, at)) and not strays.COMBINED.match(text, at):
+            return self._add(self.fixed[mark.group()], mark.group(), at, mark.end())
+        return self._stray(text, at)
+
+    def _number(self, text: str, at: int) -> int:
+        if odd := _ODD_NUMBER.match(text, at):
+            return self._odd_number(odd)
+        number = _NUMBER.match(text, at)
+        assert number is not None
+        return self._bounded_number(number.group(), at, number.end())
+
+    def _odd_number(self, odd: re.Match[str]) -> int:
+        digits, help_ = strays.mend_number(odd.group(), MAX_DIGITS)
+        self.found.append(
+            Diagnostic("FZ108", f"`{_shown(odd.group())}` is not a number here", Span(*odd.span()), help=help_)
+        )
+        return self._bounded_number(digits, odd.start(), odd.end())
+
+    def _bounded_number(self, digits: str, start: int, end: int) -> int:
+        if len(digits) > MAX_DIGITS:
+            self.found.append(
+                Diagnostic(
+                    "FZ122",
+                    f"a number of {len(digits)} digits",
+                    Span(start, end),
+                    f"more than {MAX_DIGITS} digits",
+                    help="a number has at most 40 digits; no raw type can tell more than five apart",
+                )
+            )
+            digits = "1"
+        return self._add("NUMBER", digits, start, end)
+
+    def _word(self, text: str, at: int) -> int:
+        after_number = bool(self.tokens) and self.tokens[-1].kind in ("NUMBER", "RSQB")
+        word = _WORD.match(text, at)
+        if after_number and (word is None or word.group() not in self.keywords):
+            return self._unit(text, at)
+        if word is None:
+            return self._stray(text, at)
+        name, end = word.group(), word.end()
+        if not name.isascii() or len(name) > MAX_NAME:
+            self.found.append(_odd_name(name, Span(at, end)))
+        colon = _COLON.match(text, end)
+        if colon:
+            return self._add("LABEL", name, at, colon.end())
+        return self._add("WORD", name, at, end)
+
+    def _unit(self, text: str, at: int) -> int:
+        unit = _UNIT.match(text, at)
+        word = _WORD.match(text, at)
+        if word is not None and (unit is None or word.end() > unit.end()):
+            span = Span(at, word.end())
+            self.found.append(strays.odd_unit(word.group(), span))
+            return self._add("UNIT", strays.plain_unit(word.group()), at, word.end())
+        assert unit is not None
+        return self._add("UNIT", unit.group(), at, unit.end())
+
+    def _stray(self, text: str, at: int) -> int:
+        after_number = bool(self.tokens) and self.tokens[-1].kind in ("NUMBER", "RSQB")
+        stray = strays.find(text, at, after_number)
+        if stray.message:
+            self.found.append(Diagnostic("FZ107", stray.message, Span(at, stray.end), help=stray.help))
+        if stray.means:
+            if stray.means in self.fixed:
+                kind = "WORD" if stray.means.isalpha() else self.fixed[stray.means]
+            else:
+                kind = "COMPARE" if _COMPARE.fullmatch(stray.means) else "UNIT"
+            self._add(kind, stray.means, at, stray.end)
+        return stray.end
+
+
+def _odd_name(name: str, span: Span) -> Diagnostic:
+    if len(name) > MAX_NAME:
+        return Diagnostic(
+            "FZ115", f"a name of {len(name)} characters", span, help=f"a name has at most {MAX_NAME} characters"
+        )
+    return Diagnostic(
+        "FZ115",
+        f"`{name}` holds letters that a name cannot have",
+        span,
+        help="names become C names: letters a to z and A to Z, digits and `_`",
+    )
+
+
+def _shown(text: str, limit: int = 24) -> str:
+    """A text cut to a length that fits a message."""
+    return text if len(text) <= limit else text[: limit - 2] + ".."
