@@ -1,0 +1,51 @@
+"""A run as a table of numbers."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+
+from firmware_sim.motion import wrapped_degrees
+from firmware_sim.paths import Leg
+from firmware_sim.run import Run, Sample
+
+
+def as_csv(run: Run, ddc: Sequence[Sequence[float]]) -> str:
+    """One line a sample and robot, ordered by time. ``ddc`` holds the danger of each track's samples."""
+    rows: list[tuple[float, int, dict[str, str]]] = []
+    for number, (track, dangers) in enumerate(zip(run.tracks, ddc, strict=True)):
+        for sample, leg, danger in zip(track.samples, track.legs, dangers, strict=True):
+            rows.append((sample.time, number, {"robot": track.errand.robot, **_row(sample, leg, danger)}))
+    rows.sort(key=lambda row: row[:2])
+    # Who sees nobody has fewer columns; the fullest row names them all.
+    columns = max((row for _, _, row in rows), key=len)
+    text = io.StringIO()
+    writer = csv.DictWriter(text, fieldnames=list(columns), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(row for _, _, row in rows)
+    return text.getvalue()
+
+
+def _row(sample: Sample, leg: Leg, danger: float) -> dict[str, str]:
+    numbers = {
+        "time_s": sample.time,
+        "x_m": sample.pose.x,
+        "y_m": sample.pose.y,
+        "heading_deg": wrapped_degrees(sample.pose.heading),
+        "ddc": danger,
+        "v_command_mps": sample.command.v,
+        "w_command_radps": sample.command.w,
+        "v_mps": leg.v,
+        "w_radps": leg.w,
+        "target_bearing_deg": sample.readings.target_bearing,
+    }
+    for k, seen in enumerate(sample.readings.obstacles, start=1):
+        numbers |= {
+            f"obstacle{k}_distance_m": seen.distance,
+            f"obstacle{k}_bearing_deg": seen.bearing,
+            f"obstacle{k}_speed_mps": seen.speed,
+            f"obstacle{k}_radius_m": seen.radius,
+        }
+    # Adding 0.0 turns the -0 that rounding left into 0.
+    return {"acting": sample.command.acting} | {k: f"{round(x, 6) + 0.0:.6f}" for k, x in numbers.items()}
