@@ -1,0 +1,185 @@
+"""A checked controller becomes one integer function."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+from fuzzyspec.fixed import build
+from fuzzyspec.fixed.program import (
+    Assign,
+    Branch,
+    Comment,
+    Const,
+    Define,
+    Expr,
+    Function,
+    Local,
+    Port,
+    ReadPort,
+    ReadState,
+    Record,
+    SetOutput,
+    SetState,
+    SetStatus,
+    StatePort,
+    StatusBit,
+    Stmt,
+)
+from fuzzyspec.lower.average import AverageNumbers, average
+from fuzzyspec.lower.centroid import CentroidNumbers, centroid
+from fuzzyspec.lower.fire import Firing, fire
+from fuzzyspec.lower.fuzzify import fuzzify
+from fuzzyspec.lower.scope import Scope
+from fuzzyspec.model.controller import Controller, Output
+from fuzzyspec.model.variable import Variable
+
+
+@dataclass(frozen=True)
+class ControllerNumbers:
+    """What the certificate needs to know of the integers chosen.
+
+    ``degree_errors`` by input and ``cell_error``/``sentence_errors`` are in degrees; ``fires_at`` by output is the
+    threshold that the program compares with.
+    """
+
+    controller: Controller
+    degree_errors: tuple[Fraction, ...]
+    cell_error: Fraction
+    sentence_errors: tuple[Fraction, ...]
+    outputs: tuple[CentroidNumbers | AverageNumbers, ...]
+    fires_at: Fraction
+    level_step: Fraction
+
+
+def port_of(variable: Variable) -> Port:
+    raw = variable.raw
+    return Port(variable.name, raw.ctype, raw.lo, raw.hi, variable)
+
+
+def saturated(variable: Variable, given: Expr, name: str, bit: str, scope: Scope) -> tuple[list[Stmt], Expr]:
+    """A raw from outside, brought to the nearest legal one; ``bit`` tells where that changed it."""
+    raw = variable.raw
+    value = build.local(scope.name(name), given)
+    body: list[Stmt] = [Define(value, given, False)]
+    if value.lo >= raw.lo and value.hi <= raw.hi:
+        return [Define(value, given, True)], value
+    if value.lo < raw.lo:
+        low = build.compare("<", value, Const(raw.lo))
+        body.append(Branch(low, (Assign(value, Const(raw.lo)), SetStatus(bit))))
+    if value.hi > raw.hi:
+        high = build.compare(">", value, Const(raw.hi))
+        body.append(Branch(high, (Assign(value, Const(raw.hi)), SetStatus(bit))))
+    legal = Local(value.name, value.ctype, raw.lo, raw.hi)
+    return body, legal
+
+
+def lower_controller(controller: Controller) -> tuple[Function, ControllerNumbers]:
+    """Raises RangeError and TooManySets where the integers do not go."""
+    scope = Scope()
+    body: list[Stmt] = []
+    status: list[StatusBit] = []
+    degrees = []
+    for item in controller.inputs:
+        variable = item.variable
+        low, high = build.LIMITS[variable.raw.ctype]
+        bit = f"SATURATED_{variable.name.upper()}"
+        if low < variable.raw.lo or high > variable.raw.hi:
+            status.append(StatusBit(bit, f"{variable.name} was outside its range and was saturated"))
+        given = ReadPort(variable.name, variable.raw.ctype, low, high)
+        steps, raw = saturated(variable, given, variable.name, bit, scope)
+        body += steps
+        steps, found = fuzzify(item, raw, scope, dense=bool(controller.sentences))
+        body += steps
+        degrees.append(found)
+    firing = fire(controller, degrees, scope)
+    body += firing.body
+    threshold = max(1, math.floor(controller.fires_at * firing.one + Fraction(1, 2)))
+    body += _acting(controller, firing, threshold)
+    tables = list(firing.tables)
+    numbers: list[CentroidNumbers | AverageNumbers] = []
+    state: list[StatePort] = []
+    for o, output in enumerate(controller.outputs):
+        if controller.infer.defuzzify == "centroid":
+            steps, raw, more, found_numbers = centroid(output, firing.levels[o], scope)
+            tables += more
+            numbers.append(found_numbers)
+        else:
+            steps, raw, average_numbers = average(output, o, firing, scope)
+            numbers.append(average_numbers)
+        body += _settle(output, o, steps, raw, firing, threshold, status, state)
+    outputs = [port_of(o.variable) for o in controller.outputs]
+    if controller.behaviors:
+        outputs.append(Port("acting", "uint8", 0, len(controller.behaviors), None))
+    function = Function(
+        controller.name,
+        "controller",
+        tuple(port_of(i.variable) for i in controller.inputs),
+        tuple(outputs),
+        tuple(state),
+        (),
+        tuple(status),
+        tuple(tables),
+        controller.behaviors,
+        tuple(body),
+    )
+    return function, ControllerNumbers(
+        controller,
+        tuple(d.error for d in degrees),
+        firing.cell_error,
+        tuple(firing.sentence_errors.get(i, Fraction(0)) for i in range(len(controller.sentences))),
+        tuple(numbers),
+        Fraction(threshold, firing.one),
+        Fraction(1, firing.one),
+    )
+
+
+def _acting(controller: Controller, firing: Firing, threshold: int) -> list[Stmt]:
+    if not controller.behaviors:
+        return []
+    acting, best = firing.acting, firing.acting_strength
+    assert acting is not None and best is not None
+    body: list[Stmt] = []
+    if not any(controller.always_fires):
+        body.append(Branch(build.compare("<", best, Const(threshold)), (Assign(acting, Const(0)),)))
+    return [*body, Record("acting", acting), SetOutput("acting", acting)]
+
+
+def _settle(
+    output: Output,
+    index: int,
+    steps: list[Stmt],
+    raw: Expr,
+    firing: Firing,
+    threshold: int,
+    status: list[StatusBit],
+    state: list[StatePort],
+) -> list[Stmt]:
+    """Set an output: the mean where it fires, else what its ``otherwise`` says."""
+    name, variable = output.name, output.variable
+    hold = output.fallback is not None and output.fallback.hold
+    fired: list[Stmt] = [*steps, SetOutput(name, raw)]
+    if hold:
+        assert output.fallback is not None
+        initial = variable.raw.nearest(output.fallback.value)
+        state.append(StatePort(name, variable.raw.ctype, initial, variable.raw.lo, variable.raw.hi, variable))
+        fired.append(SetState(name, raw))
+    best = firing.strongest.get(index)
+    if best is None:
+        return fired
+    assert output.fallback is not None
+    test = build.compare(">=", best, Const(threshold))
+    if hold:
+        bit = f"HELD_{name.upper()}"
+        status.append(StatusBit(bit, f"nothing fired for {name}; its last value is held"))
+        kept = ReadState(name, variable.raw.ctype, variable.raw.lo, variable.raw.hi)
+        other: tuple[Stmt, ...] = (SetOutput(name, kept), SetStatus(bit))
+    else:
+        other = (SetOutput(name, Const(variable.raw.nearest(output.fallback.value))),)
+    comment = Comment(f"{name} fires where its strongest rule reaches {output_threshold(threshold, firing)}")
+    return [Record(f"fires.{name}", test), comment, Branch(test, tuple(fired), other)]
+
+
+def output_threshold(threshold: int, firing: Firing) -> str:
+    return f"{threshold}/{firing.one}"

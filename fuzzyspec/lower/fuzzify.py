@@ -1,0 +1,277 @@
+"""Fuzzification: a raw becomes the degrees of its input's terms.
+
+In a strong partition at most two neighbouring terms are active: their degrees are ``2**15 - d`` and ``d``, kept in an
+array of two beside the index of the lower term. Other terms each get a chain of straight pieces.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+from fuzzyspec.fixed import build
+from fuzzyspec.fixed.program import (
+    Assign,
+    AssignElement,
+    Branch,
+    Comment,
+    Compare,
+    Const,
+    CType,
+    Define,
+    DefineArray,
+    Element,
+    Expr,
+    Local,
+    Stmt,
+)
+from fuzzyspec.lower.lines import DEGREE_ONE, Line, fit
+from fuzzyspec.lower.scope import Scope
+from fuzzyspec.model.controller import Input
+from fuzzyspec.model.term import PiecewiseLinear, Shape, Singleton
+from fuzzyspec.model.variable import Raw
+
+
+@dataclass(frozen=True, slots=True)
+class Degrees:
+    """Where an input's degrees are.
+
+    Slot j of ``array`` holds the degree of term ``first + j``: two slots and a local ``first`` in a strong partition, else
+    a slot a term and 0. ``error`` bounds every degree's error, in degrees [0, 1].
+    """
+
+    array: str
+    slots: int
+    first: Expr
+    error: Fraction
+
+    def slot(self, index: Expr) -> Element:
+        return Element(self.array, "uint16", index, 0, DEGREE_ONE, False)
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """Raw positions ``start .. end`` on which a membership is the straight ``line`` over ``u - start``."""
+
+    start: int
+    end: int
+    line: Line
+
+
+def position(raw: Raw, value: Fraction) -> Fraction:
+    """Counts from the end of the legal raws that has the lowest value; increases with the value."""
+    return raw.position(value) - raw.lo if raw.step > 0 else raw.hi - raw.position(value)
+
+
+def position_expr(raw: Raw, value: Expr) -> Expr:
+    """The same in the program, for a saturated raw."""
+    return build.sub(value, Const(raw.lo)) if raw.step > 0 else build.sub(Const(raw.hi), value)
+
+
+def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool) -> tuple[list[Stmt], Degrees]:
+    """Statements that compute the degrees of one input from its saturated raw.
+
+    ``dense`` asks for a slot for every term even in a strong partition (sentence rules name terms).
+    """
+    variable = item.variable
+    body: list[Stmt] = [Comment(f"degrees of {item.name}: {', '.join(t.name for t in item.terms)}")]
+    at = position_expr(variable.raw, raw)
+    if not isinstance(at, Local):
+        bound = build.local(scope.name(f"{item.name}_at"), at)
+        body.append(Define(bound, at, True))
+        at = bound
+    if item.peaks is not None and len(item.peaks) > 1:
+        return _strong(item, item.peaks, at, scope, dense, body)
+    array = scope.name(f"{item.name}_mu")
+    body.append(DefineArray(array, "uint16", len(item.terms)))
+    worst = Fraction(0)
+    for k, term in enumerate(item.terms):
+        pieces = straight_pieces(term.shape, variable.raw)
+        worst = max([worst, *(p.line.error for p in pieces)])
+        body.extend(_chain(pieces, at, lambda e, k=k: AssignElement(array, "uint16", Const(k), e)))
+    return body, Degrees(array, len(item.terms), Const(0), worst / DEGREE_ONE)
+
+
+def _strong(
+    item: Input, peaks: tuple[Fraction, ...], at: Local, scope: Scope, dense: bool, body: list[Stmt]
+) -> tuple[list[Stmt], Degrees]:
+    places = [position(item.variable.raw, p) for p in peaks]
+    last = len(places) - 2
+    degree = Local(scope.name(f"{item.name}_d"), "uint16", 0, DEGREE_ONE)
+    first = Local(scope.name(f"{item.name}_term"), "uint8", 0, last)
+    body.append(Define(degree, Const(0), False))
+    if last:
+        body.append(Define(first, Const(0), False))
+    worst = Fraction(0)
+    chain: tuple[Stmt, ...] = ()
+    for k in range(last, -1, -1):
+        low, high = places[k], places[k + 1]
+        start = max(0, math.ceil(low))
+        end = at.hi if k == last else min(at.hi, math.ceil(high) - 1)
+        if end < start:
+            continue
+        # Beyond the last peak the degree stays 1, below the first it stays 0.
+        straight = min(end, math.floor(high)) if k == last else end
+        slope = DEGREE_ONE / (high - low)
+        line = fit((start - low) * slope, slope, max(0, straight - start))
+        worst = max(worst, line.error)
+        steps: list[Stmt] = [Assign(first, Const(k))] if k else []
+        steps += _piece(line, at, start, end, straight, degree, scope, item.name)
+        if k == 0 and math.ceil(low) > 0:
+            steps = [Branch(build.compare(">=", at, Const(start)), tuple(steps))]
+        test = build.compare("<", at, Const(math.ceil(high)))
+        if not chain or build.always(test):
+            chain = tuple(steps)
+        else:
+            chain = (Branch(test, tuple(steps), chain),)
+    body.extend(chain)
+    index: Expr = first if last else Const(0)
+    array = scope.name(f"{item.name}_mu")
+    low_degree = build.sub(Const(DEGREE_ONE), degree)
+    if dense:
+        body.append(DefineArray(array, "uint16", len(places)))
+        body.append(AssignElement(array, "uint16", index, low_degree))
+        body.append(AssignElement(array, "uint16", build.add(index, Const(1)), degree))
+        return body, Degrees(array, len(places), Const(0), worst / DEGREE_ONE)
+    body.append(DefineArray(array, "uint16", 2))
+    body.append(AssignElement(array, "uint16", Const(0), low_degree))
+    body.append(AssignElement(array, "uint16", Const(1), degree))
+    return body, Degrees(array, 2, index, worst / DEGREE_ONE)
+
+
+def _piece(
+    line: Line, at: Local, start: int, end: int, straight: int, degree: Local, scope: Scope, name: str
+) -> list[Stmt]:
+    u: Expr = at
+    steps: list[Stmt] = []
+    if start or end < at.hi or straight < end:
+        offset = build.sub_guarded(at, Const(start), end - start)
+        bound = Local(scope.name(f"{name}_u"), "uint16", 0, end - start)
+        steps.append(Define(bound, offset, True))
+        u = bound
+        if straight < end:
+            short = Local(scope.name(f"{name}_u"), "uint16", 0, straight - start)
+            steps.append(Define(short, build.least(bound, Const(straight - start)), True))
+            u = short
+    value = line.expr(u)
+    if line.top > DEGREE_ONE:
+        wide = build.local(scope.name(f"{name}_y"), value)
+        steps.append(Define(wide, value, True))
+        value = build.least(wide, Const(DEGREE_ONE))
+    steps.append(Assign(degree, value))
+    return steps
+
+
+def straight_pieces(shape: Shape, raw: Raw) -> list[Piece]:
+    """The integer positions of a raw cut into runs on which the membership is one straight line, in order.
+
+    At a jump that falls on a raw the largest of the values there holds, so such a raw joins the side that has it, or
+    stands alone.
+    """
+    top = raw.hi - raw.lo
+    if isinstance(shape, Singleton):
+        at = position(raw, shape.at)
+        inside = at.denominator == 1 and 0 <= at <= top
+        return [Piece(int(at), int(at), fit(Fraction(DEGREE_ONE), Fraction(0), 0))] if inside else []
+    runs: list[tuple[int, int, Fraction, Fraction]] = []
+    for low, high, y_low, y_high in _segments(shape, raw, top):
+        start, end = max(0, math.ceil(low)), min(top, math.floor(high))
+        slope = (y_high - y_low) / (high - low)
+        if start > end:
+            continue
+        if runs and runs[-1][1] == start:
+            before = runs[-1]
+            there = before[2] + before[3] * (start - before[0])
+            here = y_low + slope * (start - low)
+            if here >= there:
+                runs[-1] = (before[0], start - 1, before[2], before[3])
+            else:
+                start += 1
+        runs = [r for r in runs if r[0] <= r[1]]
+        if start <= end:
+            runs.append((start, end, y_low + slope * (start - low), slope))
+    for x, y in _spikes(shape, raw, top):
+        runs = _with_spike(runs, x, y)
+    pieces: list[Piece] = []
+    for start, end, y, slope in runs:
+        if pieces and slope == 0 and y == 0 and pieces[-1].line.top == 0:
+            pieces[-1] = Piece(pieces[-1].start, end, fit(Fraction(0), Fraction(0), end - pieces[-1].start))
+        else:
+            pieces.append(Piece(start, end, fit(y * DEGREE_ONE, slope * DEGREE_ONE, end - start)))
+    return pieces
+
+
+def _segments(shape: PiecewiseLinear, raw: Raw, top: int) -> list[tuple[Fraction, Fraction, Fraction, Fraction]]:
+    """Open segments (low, high, membership just after low, just before high) that cover ``0 .. top``."""
+    points = [(position(raw, x), y) for x, y in shape.points]
+    before = (min(points[0][0], Fraction(0)) - 1, points[0][1])
+    after = (max(points[-1][0], Fraction(top)) + 1, points[-1][1])
+    chain = [before, *points, after]
+    return [(a[0], b[0], a[1], b[1]) for a, b in zip(chain, chain[1:], strict=False) if a[0] < b[0]]
+
+
+def _spikes(shape: PiecewiseLinear, raw: Raw, top: int) -> list[tuple[int, Fraction]]:
+    """Points of a jump whose own value is above both sides' limits (three or more points at one x)."""
+    found: list[tuple[int, Fraction]] = []
+    for x in sorted({x for x, _ in shape.points}):
+        values = [y for px, y in shape.points if px == x]
+        at = position(raw, x)
+        if len(values) > 2 and at.denominator == 1 and 0 <= at <= top and max(values) > max(values[0], values[-1]):
+            found.append((int(at), max(values)))
+    return found
+
+
+def _with_spike(
+    runs: list[tuple[int, int, Fraction, Fraction]], x: int, y: Fraction
+) -> list[tuple[int, int, Fraction, Fraction]]:
+    result: list[tuple[int, int, Fraction, Fraction]] = []
+    for start, end, y0, slope in runs:
+        if start <= x <= end:
+            if start < x:
+                result.append((start, x - 1, y0, slope))
+            result.append((x, x, y, Fraction(0)))
+            if x < end:
+                result.append((x + 1, end, y0 + slope * (x + 1 - start), slope))
+        else:
+            result.append((start, end, y0, slope))
+    return result
+
+
+def _chain(pieces: list[Piece], at: Local, assign: object) -> list[Stmt]:
+    """An if-chain over the pieces; a degree of 0 needs no statement, the array is zeroed."""
+    assert callable(assign)
+    chain: tuple[Stmt, ...] = ()
+    last = len(pieces) - 1
+    for i in range(last, -1, -1):
+        piece = pieces[i]
+        if piece.line.top == 0:
+            steps: tuple[Stmt, ...] = ()
+        else:
+            u: Expr = at
+            if piece.line.slope:
+                u = build.sub_guarded(at, Const(piece.start), piece.end - piece.start)
+            value = piece.line.expr(u) if piece.line.slope else Const(piece.line.offset >> piece.line.shift)
+            if value.hi > DEGREE_ONE:
+                value = _capped(value)
+            steps = (assign(value),)
+        inside: Compare | None = None
+        if i < last or piece.end < at.hi:
+            test = build.compare("<=", at, Const(piece.end))
+            assert isinstance(test, Compare)
+            inside = test
+        if inside is None:
+            chain = steps
+        elif not steps and not chain:
+            chain = ()
+        else:
+            chain = (Branch(inside, steps, chain),)
+    return list(chain)
+
+
+def _capped(value: Expr) -> Expr:
+    """A line that a rounding takes above 1 is capped; both arms are cheap to name twice."""
+    return build.select(build.compare("<", value, Const(DEGREE_ONE)), value, Const(DEGREE_ONE))
+
+
+DEGREE_TYPE: CType = "uint16"
