@@ -37,8 +37,8 @@ class BehaviorAccount:
 class Account:
     """The accounting of a controller's cells.
 
-    ``sources[o][cell]`` is the index in ``rules`` of the rule that output ``o`` takes in a cell, -1 where it is left unset.
-    ``behaviors`` follow the controller's; it is empty where there are none.
+    ``sources[o][cell]`` is the index in ``rules`` of the rule that output ``o`` takes in a cell, -1 where it is left
+    unset. ``behaviors`` follow the controller's; it is empty where there are none.
     """
 
     cells: int
