@@ -23,7 +23,8 @@ BUILDERS: dict[str, Builder] = {}
 
 
 def _builds(builder: Builder) -> Builder:
-    BUILDERS[builder.__name__.strip("_")] = builder
+    """Enters a builder under its name without the underscore."""
+    BUILDERS[builder.__name__.removeprefix("_")] = builder
     return builder
 
 
@@ -62,23 +63,23 @@ def _raw_of(children: list[Any]) -> tree.RawClause | None:
 
 
 @_builds
-def start(children: list[Any], span: Span) -> tree.Module:
+def _start(children: list[Any], span: Span) -> tree.Module:
     name = children[0] if children and isinstance(children[0], tree.Name) else None
     return tree.Module(name, tuple(children[1:] if name else children), span)
 
 
 @_builds
-def header(children: list[Any], span: Span) -> tree.Name:
+def _header(children: list[Any], span: Span) -> tree.Name:
     return _name(children[0])
 
 
 @_builds
-def unit_decl(children: list[Any], span: Span) -> tree.UnitDecl:
+def _unit_decl(children: list[Any], span: Span) -> tree.UnitDecl:
     return tree.UnitDecl(_name(children[0]), children[1], span)
 
 
 @_builds
-def param(children: list[Any], span: Span) -> tree.Param:
+def _param(children: list[Any], span: Span) -> tree.Param:
     return tree.Param(_name(children[0]), children[1], span)
 
 
@@ -86,87 +87,87 @@ def param(children: list[Any], span: Span) -> tree.Param:
 
 
 @_builds
-def controller(children: list[Any], span: Span) -> tree.ControllerDecl:
+def _controller(children: list[Any], span: Span) -> tree.ControllerDecl:
     return tree.ControllerDecl(_name(children[0]), tuple(children[1:]), span)
 
 
 @_builds
-def input_decl(children: list[Any], span: Span) -> tree.VariableDecl:
+def _input_decl(children: list[Any], span: Span) -> tree.VariableDecl:
     return tree.VariableDecl("input", children[0], children[1], _raw_of(children), children[-1], span)
 
 
 @_builds
-def output_decl(children: list[Any], span: Span) -> tree.VariableDecl:
+def _output_decl(children: list[Any], span: Span) -> tree.VariableDecl:
     return tree.VariableDecl("output", children[0], children[1], _raw_of(children), children[-1], span)
 
 
 @_builds
-def names(children: list[Any], span: Span) -> tuple[tree.Name, ...]:
+def _names(children: list[Any], span: Span) -> tuple[tree.Name, ...]:
     return tuple(_name(c) for c in children)
 
 
 @_builds
-def range_(children: list[Any], span: Span) -> tree.Range:
+def _range(children: list[Any], span: Span) -> tree.Range:
     return tree.Range(children[0], children[1], _unit_of(children), span)
 
 
 @_builds
-def raw_plain(children: list[Any], span: Span) -> tree.RawClause:
+def _raw_plain(children: list[Any], span: Span) -> tree.RawClause:
     return tree.RawClause(_name(children[0]), None, None, span)
 
 
 @_builds
-def raw_step(children: list[Any], span: Span) -> tree.RawClause:
+def _raw_step(children: list[Any], span: Span) -> tree.RawClause:
     return tree.RawClause(_name(children[0]), children[1], None, span)
 
 
 @_builds
-def raw_counts(children: list[Any], span: Span) -> tree.RawClause:
+def _raw_counts(children: list[Any], span: Span) -> tree.RawClause:
     return tree.RawClause(_name(children[0]), None, (children[1], children[-1]), span)
 
 
 @_builds
-def terms(children: list[Any], span: Span) -> tuple[tree.Member, ...]:
+def _terms(children: list[Any], span: Span) -> tuple[tree.Member, ...]:
     return tuple(children)
 
 
 @_builds
-def partition(children: list[Any], span: Span) -> tree.Partition:
+def _partition(children: list[Any], span: Span) -> tree.Partition:
     return tree.Partition(tuple(children), False, span)
 
 
 @_builds
-def partition_full(children: list[Any], span: Span) -> tree.Partition:
+def _partition_full(children: list[Any], span: Span) -> tree.Partition:
     return tree.Partition(tuple(children), True, span)
 
 
 @_builds
-def singletons(children: list[Any], span: Span) -> tree.Singletons:
+def _singletons(children: list[Any], span: Span) -> tree.Singletons:
     return tree.Singletons(tuple(children), span)
 
 
 @_builds
-def even_term(children: list[Any], span: Span) -> tree.PlacedTerm:
+def _even_term(children: list[Any], span: Span) -> tree.PlacedTerm:
     return tree.PlacedTerm(_name(children[0]), None)
 
 
 @_builds
-def placed_term(children: list[Any], span: Span) -> tree.PlacedTerm:
+def _placed_term(children: list[Any], span: Span) -> tree.PlacedTerm:
     return tree.PlacedTerm(_name(children[0]), children[1])
 
 
 @_builds
-def term(children: list[Any], span: Span) -> tree.TermDecl:
+def _term(children: list[Any], span: Span) -> tree.TermDecl:
     return tree.TermDecl(_name(children[0]), _name(children[1]), tuple(children[2:]), span)
 
 
 @_builds
-def otherwise_value(children: list[Any], span: Span) -> tree.OtherwiseClause:
+def _otherwise_value(children: list[Any], span: Span) -> tree.OtherwiseClause:
     return tree.OtherwiseClause(children[0], False, span)
 
 
 @_builds
-def otherwise_hold(children: list[Any], span: Span) -> tree.OtherwiseClause:
+def _otherwise_hold(children: list[Any], span: Span) -> tree.OtherwiseClause:
     return tree.OtherwiseClause(children[0], True, span)
 
 
@@ -174,7 +175,7 @@ def otherwise_hold(children: list[Any], span: Span) -> tree.OtherwiseClause:
 
 
 @_builds
-def table(children: list[Any], span: Span) -> tree.Table:
+def _table(children: list[Any], span: Span) -> tree.Table:
     outputs, inputs, *body = children
     header_row = body[0] if not isinstance(body[0], tree.TableRow) else ()
     rows = tuple(r for r in body if isinstance(r, tree.TableRow))
@@ -182,102 +183,102 @@ def table(children: list[Any], span: Span) -> tree.Table:
 
 
 @_builds
-def columns(children: list[Any], span: Span) -> tuple[tree.Name, ...]:
+def _columns(children: list[Any], span: Span) -> tuple[tree.Name, ...]:
     return tuple(_name(c) for c in children)
 
 
 @_builds
-def row(children: list[Any], span: Span) -> tree.TableRow:
+def _row(children: list[Any], span: Span) -> tree.TableRow:
     return tree.TableRow((_name(children[0]),), tuple(children[1:]), span)
 
 
 @_builds
-def row_many(children: list[Any], span: Span) -> tree.TableRow:
+def _row_many(children: list[Any], span: Span) -> tree.TableRow:
     return tree.TableRow(children[0], tuple(children[1:]), span)
 
 
 @_builds
-def entry(children: list[Any], span: Span) -> tuple[tree.Name, ...]:
+def _entry(children: list[Any], span: Span) -> tuple[tree.Name, ...]:
     return tuple(_name(c) for c in children)
 
 
 @_builds
-def behavior(children: list[Any], span: Span) -> tree.BehaviorDecl:
+def _behavior(children: list[Any], span: Span) -> tree.BehaviorDecl:
     return tree.BehaviorDecl(_name(children[0]), children[1], tuple(children[2:]), span)
 
 
 @_builds
-def rules(children: list[Any], span: Span) -> tree.RulesBlock:
+def _rules(children: list[Any], span: Span) -> tree.RulesBlock:
     return tree.RulesBlock(tuple(children), span)
 
 
 @_builds
-def rule(children: list[Any], span: Span) -> tree.Rule:
+def _rule(children: list[Any], span: Span) -> tree.Rule:
     return tree.Rule(children[0], tuple(children[1:]), None, span)
 
 
 @_builds
-def rule_weighted(children: list[Any], span: Span) -> tree.Rule:
+def _rule_weighted(children: list[Any], span: Span) -> tree.Rule:
     return tree.Rule(children[0], tuple(children[1:-1]), children[-1], span)
 
 
 @_builds
-def consequent(children: list[Any], span: Span) -> tree.Consequent:
+def _consequent(children: list[Any], span: Span) -> tree.Consequent:
     return tree.Consequent(_name(children[0]), _name(children[1]), span)
 
 
 @_builds
-def cond_or(children: list[Any], span: Span) -> tree.Antecedent:
+def _cond_or(children: list[Any], span: Span) -> tree.Antecedent:
     return tree.Antecedent("or", tuple(children), span)
 
 
 @_builds
-def cond_and(children: list[Any], span: Span) -> tree.Antecedent:
+def _cond_and(children: list[Any], span: Span) -> tree.Antecedent:
     return tree.Antecedent("and", tuple(children), span)
 
 
 @_builds
-def cond_negated(children: list[Any], span: Span) -> tree.Antecedent:
+def _cond_negated(children: list[Any], span: Span) -> tree.Antecedent:
     return tree.Antecedent("not", tuple(children), span)
 
 
 @_builds
-def cond_group(children: list[Any], span: Span) -> tree.Condition:
+def _cond_group(children: list[Any], span: Span) -> tree.Condition:
     return children[0]  # type: ignore[no-any-return]
 
 
 @_builds
-def is_term(children: list[Any], span: Span) -> tree.Is:
+def _is_term(children: list[Any], span: Span) -> tree.Is:
     return tree.Is(_name(children[0]), (_name(children[1]),), False, span)
 
 
 @_builds
-def is_not_term(children: list[Any], span: Span) -> tree.Is:
+def _is_not_term(children: list[Any], span: Span) -> tree.Is:
     return tree.Is(_name(children[0]), (_name(children[1]),), True, span)
 
 
 @_builds
-def in_terms(children: list[Any], span: Span) -> tree.Is:
+def _in_terms(children: list[Any], span: Span) -> tree.Is:
     return tree.Is(_name(children[0]), children[1], False, span)
 
 
 @_builds
-def not_in_terms(children: list[Any], span: Span) -> tree.Is:
+def _not_in_terms(children: list[Any], span: Span) -> tree.Is:
     return tree.Is(_name(children[0]), children[1], True, span)
 
 
 @_builds
-def infer(children: list[Any], span: Span) -> tree.InferBlock:
+def _infer(children: list[Any], span: Span) -> tree.InferBlock:
     return tree.InferBlock(tuple(children), span)
 
 
 @_builds
-def setting(children: list[Any], span: Span) -> tree.Setting:
+def _setting(children: list[Any], span: Span) -> tree.Setting:
     return tree.Setting(_name(children[0]), _name(children[1]), span)
 
 
 @_builds
-def fires(children: list[Any], span: Span) -> tree.FiresAt:
+def _fires(children: list[Any], span: Span) -> tree.FiresAt:
     return tree.FiresAt(children[0], span)
 
 
@@ -285,7 +286,7 @@ def fires(children: list[Any], span: Span) -> tree.FiresAt:
 
 
 @_builds
-def system(children: list[Any], span: Span) -> tree.SystemDecl:
+def _system(children: list[Any], span: Span) -> tree.SystemDecl:
     items: list[tree.SystemItem] = []
     for child in children[1:]:
         if isinstance(child, list):
@@ -296,153 +297,153 @@ def system(children: list[Any], span: Span) -> tree.SystemDecl:
 
 
 @_builds
-def system_input(children: list[Any], span: Span) -> list[tree.SystemInput]:
+def _system_input(children: list[Any], span: Span) -> list[tree.SystemInput]:
     return [tree.SystemInput(name, children[1], _raw_of(children), span) for name in children[0]]
 
 
 @_builds
-def list_input(children: list[Any], span: Span) -> tree.ListInput:
+def _list_input(children: list[Any], span: Span) -> tree.ListInput:
     return tree.ListInput(_name(children[0]), children[1], tuple(children[2:]), span)
 
 
 @_builds
-def field(children: list[Any], span: Span) -> tree.SystemInput:
+def _field(children: list[Any], span: Span) -> tree.SystemInput:
     return tree.SystemInput(_name(children[0]), children[1], _raw_of(children), span)
 
 
 @_builds
-def let(children: list[Any], span: Span) -> tree.Let:
+def _let(children: list[Any], span: Span) -> tree.Let:
     return tree.Let(children[0], children[1], span)
 
 
 @_builds
-def target(children: list[Any], span: Span) -> tree.Ref:
+def _target(children: list[Any], span: Span) -> tree.Ref:
     return tree.Ref(tuple(_name(c) for c in children), span)
 
 
 @_builds
-def for_each(children: list[Any], span: Span) -> tree.ForEach:
+def _for_each(children: list[Any], span: Span) -> tree.ForEach:
     return tree.ForEach(_name(children[0]), _name(children[1]), tuple(children[2:]), span)
 
 
 @_builds
-def system_output(children: list[Any], span: Span) -> tree.SystemOutput:
-    range_ = next((c for c in children if isinstance(c, tree.Range)), None)
-    return tree.SystemOutput(_name(children[0]), range_, _raw_of(children), children[-1], span)
+def _system_output(children: list[Any], span: Span) -> tree.SystemOutput:
+    ranged = next((c for c in children if isinstance(c, tree.Range)), None)
+    return tree.SystemOutput(_name(children[0]), ranged, _raw_of(children), children[-1], span)
 
 
 # --- expressions -----------------------------------------------------------------------------
 
 
 @_builds
-def otherwise(children: list[Any], span: Span) -> tree.Otherwise:
+def _otherwise(children: list[Any], span: Span) -> tree.Otherwise:
     return tree.Otherwise(children[0], children[1], span)
 
 
 @_builds
-def conditional(children: list[Any], span: Span) -> tree.Conditional:
+def _conditional(children: list[Any], span: Span) -> tree.Conditional:
     then, test, other = children
     return tree.Conditional(test, then, other, span)
 
 
 @_builds
-def logic_or(children: list[Any], span: Span) -> tree.Logic:
+def _logic_or(children: list[Any], span: Span) -> tree.Logic:
     return tree.Logic("or", tuple(children), span)
 
 
 @_builds
-def logic_and(children: list[Any], span: Span) -> tree.Logic:
+def _logic_and(children: list[Any], span: Span) -> tree.Logic:
     return tree.Logic("and", tuple(children), span)
 
 
 @_builds
-def logic_negated(children: list[Any], span: Span) -> tree.Logic:
+def _logic_negated(children: list[Any], span: Span) -> tree.Logic:
     return tree.Logic("not", tuple(children), span)
 
 
 @_builds
-def compare(children: list[Any], span: Span) -> tree.Compare:
+def _compare(children: list[Any], span: Span) -> tree.Compare:
     return tree.Compare(tuple(children[::2]), tuple(c.text for c in children[1::2]), span)
 
 
 @_builds
-def in_range(children: list[Any], span: Span) -> tree.InRange:
+def _in_range(children: list[Any], span: Span) -> tree.InRange:
     within: tree.Range = children[1]
     return tree.InRange(children[0], within.lo, within.hi, within.unit, span)
 
 
 @_builds
-def not_in_range(children: list[Any], span: Span) -> tree.Logic:
-    return tree.Logic("not", (in_range(children, span),), span)
+def _not_in_range(children: list[Any], span: Span) -> tree.Logic:
+    return tree.Logic("not", (_in_range(children, span),), span)
 
 
 @_builds
-def add(children: list[Any], span: Span) -> tree.Binary:
+def _add(children: list[Any], span: Span) -> tree.Binary:
     return tree.Binary("+", children[0], children[1], span)
 
 
 @_builds
-def sub(children: list[Any], span: Span) -> tree.Binary:
+def _sub(children: list[Any], span: Span) -> tree.Binary:
     return tree.Binary("-", children[0], children[1], span)
 
 
 @_builds
-def mul(children: list[Any], span: Span) -> tree.Binary:
+def _mul(children: list[Any], span: Span) -> tree.Binary:
     return tree.Binary("*", children[0], children[1], span)
 
 
 @_builds
-def div(children: list[Any], span: Span) -> tree.Binary:
+def _div(children: list[Any], span: Span) -> tree.Binary:
     return tree.Binary("/", children[0], children[1], span)
 
 
 @_builds
-def negate(children: list[Any], span: Span) -> tree.Unary:
+def _negate(children: list[Any], span: Span) -> tree.Unary:
     return tree.Unary("-", children[0], span)
 
 
 @_builds
-def number(children: list[Any], span: Span) -> tree.Number:
+def _number(children: list[Any], span: Span) -> tree.Number:
     return tree.Number(Fraction(children[0].text), None, span)
 
 
 @_builds
-def quantity(children: list[Any], span: Span) -> tree.Number:
+def _quantity(children: list[Any], span: Span) -> tree.Number:
     return tree.Number(Fraction(children[0].text), _unit(children[1]), span)
 
 
 @_builds
-def ref(children: list[Any], span: Span) -> tree.Ref:
+def _ref(children: list[Any], span: Span) -> tree.Ref:
     return tree.Ref(tuple(_name(c) for c in children), span)
 
 
 @_builds
-def call(children: list[Any], span: Span) -> tree.Call:
+def _call(children: list[Any], span: Span) -> tree.Call:
     return tree.Call(_name(children[0]), tuple(children[1:]), None, span)
 
 
 @_builds
-def call_field(children: list[Any], span: Span) -> tree.Call:
+def _call_field(children: list[Any], span: Span) -> tree.Call:
     return tree.Call(_name(children[0]), tuple(children[1:-1]), _name(children[-1]), span)
 
 
 @_builds
-def group(children: list[Any], span: Span) -> tree.Expr:
+def _group(children: list[Any], span: Span) -> tree.Expr:
     return children[0]  # type: ignore[no-any-return]
 
 
 @_builds
-def positional(children: list[Any], span: Span) -> tree.Argument:
+def _positional(children: list[Any], span: Span) -> tree.Argument:
     return tree.Argument(None, children[0], span)
 
 
 @_builds
-def named(children: list[Any], span: Span) -> tree.Argument:
+def _named(children: list[Any], span: Span) -> tree.Argument:
     return tree.Argument(_name(children[0]), children[1], span)
 
 
 @_builds
-def fold(children: list[Any], span: Span) -> tree.Fold:
+def _fold(children: list[Any], span: Span) -> tree.Fold:
     kind, body, item, over, *rest = children
     test = next((c.expr for c in rest if isinstance(c, _Test)), None)
     fallback = next((c.expr for c in rest if isinstance(c, _Fallback)), None)
@@ -450,10 +451,10 @@ def fold(children: list[Any], span: Span) -> tree.Fold:
 
 
 @_builds
-def fold_test(children: list[Any], span: Span) -> _Test:
+def _fold_test(children: list[Any], span: Span) -> _Test:
     return _Test(children[0])
 
 
 @_builds
-def fold_otherwise(children: list[Any], span: Span) -> _Fallback:
+def _fold_otherwise(children: list[Any], span: Span) -> _Fallback:
     return _Fallback(children[0])

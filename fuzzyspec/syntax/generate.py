@@ -1,8 +1,8 @@
 """Writes ``table.json``, the LALR(1) table of ``grammar/fuzzy.lark``: ``python -m fuzzyspec.syntax.generate``.
 
-Lark builds the table, in strict mode, so that a conflict stops us here. The parser reads the file instead of asking lark
-each time: that takes milliseconds where lark takes a third of a second. A test holds the file to the grammar. States are
-renumbered in breadth-first order, so that the same grammar gives the same bytes.
+Lark builds the table, in strict mode, so that a conflict stops us here. The parser reads the file instead of asking
+lark each time: that takes milliseconds where lark takes a third of a second. A test holds the file to the grammar.
+States are renumbered in breadth-first order, so that the same grammar gives the same bytes.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from __future__ import annotations
 from fuzzyspec.diagnostics.diagnostic import Span
 from fuzzyspec.syntax.build import BUILDERS, Node
 from fuzzyspec.syntax.table import Production, Table
-from fuzzyspec.syntax.tokens import END, Token
+from fuzzyspec.syntax.tokens import END, MISSING, Token
 
 
 class Cell:
@@ -37,6 +37,7 @@ class Joined:
 
 
 def bottom() -> Cell:
+    """The empty stack, in the start state."""
     return Cell(0, "", None, 0, 0, None)
 
 
@@ -68,6 +69,37 @@ def advance_as(table: Table, cell: Cell, token: Token, kind: str) -> Cell | None
         if production is None:
             return Cell(target, kind, token, token.start, token.end, cell)
         cell = _reduce(table, cell, production)
+
+
+def viable(table: Table, cell: Cell) -> frozenset[str]:
+    """The terminals that can truly stand next (a table entry alone may be a reduction that leads nowhere)."""
+    return frozenset(
+        kind
+        for kind in (*table.states[cell.state], END)
+        if (kind == END or kind[0].isupper()) and advance_as(table, cell, made(table, kind, cell.end), kind) is not None
+    )
+
+
+def made(table: Table, kind: str, at: int) -> Token:
+    """A token that nobody wrote, for a terminal: recovery's placeholder."""
+    return Token("WORD" if kind == "NAME" else kind, _TEXTS.get(kind) or table.texts.get(kind, ""), at, at, False, True)
+
+
+_TEXTS = {"NAME": MISSING, "NUMBER": "1", "LABEL": MISSING, "UNIT": "", "COMPARE": "<", END: ""}
+
+
+def opened(cell: Cell) -> list[Cell]:
+    """The brackets that are open on a stack, innermost first."""
+    found: list[Cell] = []
+    at: Cell | None = cell
+    while at is not None:
+        if at.symbol in CLOSERS:
+            found.append(at)
+        at = at.below
+    return found
+
+
+CLOSERS = {"LBRACE": "RBRACE", "LPAR": "RPAR", "LSQB": "RSQB"}
 
 
 def _reduce(table: Table, cell: Cell, production: Production) -> Cell:

@@ -1,3 +1,4 @@
+# ruff: noqa: RUF001  (characters that look like ours are the point here)
 """What engineers write by habit of other languages or editors: what it probably means, and what to write."""
 
 from __future__ import annotations
@@ -142,6 +143,7 @@ def plain_unit(text: str) -> str:
 
 
 def odd_unit(text: str, span: Span) -> Diagnostic:
+    """Tells of a unit in letters that the language does not have."""
     plain = plain_unit(text)
     help_ = f"write `{plain}`" if plain != "?" else "units are written in letters a to z and A to Z, or `%`"
     return Diagnostic("FZ107", f"the unit `{text}` is not spelt so", span, help=help_)

@@ -30,6 +30,8 @@ class Table:
     end: int
     fixed: dict[str, str]
     keywords: dict[str, str]
+    texts: dict[str, str]
+    """The text of each keyword or mark by its terminal."""
 
 
 @cache
@@ -42,6 +44,7 @@ def load() -> Table:
         states=tuple(_state(line, productions) for line in data["states"]),
         end=data["end"],
         fixed=fixed,
+        texts=data["terminals"],
         keywords={text: name for text, name in fixed.items() if text.isalpha()},
     )
 

@@ -19,6 +19,8 @@ MAX_NAME = 64
 """Characters of one name."""
 
 END = "$END"
+MISSING = "?"
+"""The name of what recovery put in the place of a missing name; nothing is to be said about it."""
 
 
 class Token(NamedTuple):
@@ -93,13 +95,13 @@ class _Scanner:
 
     def _token(self, text: str, at: int) -> int:
         """Takes one token at ``at``; returns where it ends."""
-        match text[at]:
-            case c if c.isascii() and c.isdigit():
-                return self._number(text, at)
-            case "." if (odd := _ODD_NUMBER.match(text, at)) and text[at - 1 : at] != ".":
-                return self._odd_number(odd)
-            case c if c.isidentifier() or c == "%":
-                return self._word(text, at)
+        char = text[at]
+        if char.isascii() and char.isdigit():
+            return self._number(text, at)
+        if char == "." and (odd := _ODD_NUMBER.match(text, at)) and text[at - 1 : at] != ".":
+            return self._odd_number(odd)
+        if char.isidentifier() or char == "%":
+            return self._word(text, at)
         if (compare := _COMPARE.match(text, at)) and not strays.COMBINED.match(text, at):
             return self._add("COMPARE", compare.group(), at, compare.end())
         if (mark := self.marks.match(text, at)) and not strays.COMBINED.match(text, at):
