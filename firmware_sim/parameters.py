@@ -34,7 +34,7 @@ class Parameters:
     v_scale: float = _open(
         TOP_SPEED / TOP_COMMAND,
         "1",
-        "Commands reach 0.7 m/s, the robots 0.1 m/s. Scaled, not clipped: clipping would make S, F and VF one speed.",
+        "Commands reach 0.7 m/s, the robots 0.1 m/s. Scaled, not clipped: clipping would leave Z and one speed.",
     )
     w_scale: float = _open(
         1.0,
