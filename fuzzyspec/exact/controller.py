@@ -23,9 +23,9 @@ def evaluate_controller(
     """The exact meaning of one call.
 
     ``inputs``: a value an input, in the declared unit, (N,) or scalar; outside the range they saturate. ``decisions``
-    (``fires.<output>``, ``acting``) are taken where given. ``state``: what each output that holds held, else its
-    initial value. Where the definitions give no value (all that fired has no area, and there is no ``otherwise``)
-    there is nan. Raises KeyError for a missing input.
+    (``fires.<output>``, ``acting``) are taken where given, -1 standing for not given. ``state``: what
+    each output that holds held, else its initial value. Where the definitions give no value (all that fired has no
+    area, and there is no ``otherwise``) there is nan. Raises KeyError for a missing input.
     """
     known = {i.name: inputs[i.name] for i in controller.inputs}
     held = {o.name: value for o in controller.outputs if (value := _fallback(o, state or {})) is not None}
@@ -89,7 +89,7 @@ def _chunk(
             result.decisions[key] = fires.astype(np.int64)
             result.margins[key] = np.abs(strongest - threshold)
             if key in taken:
-                fires = taken[key] != 0
+                fires = np.where(taken[key] < 0, fires, taken[key] > 0)
         moment, area = rules.moment_and_area(number)
         otherwise = held.get(output.name, np.full(cases, np.nan))
         fires = fires & (area > 0)
@@ -102,10 +102,13 @@ def _chunk(
         if output.fallback is not None and output.fallback.hold:
             result.state[output.name] = value.copy()
     if controller.behaviors:
-        acting, margin = _acting(rules.owners.rows, float(controller.fires_at), taken.get("acting"))
+        best, threshold = rules.owners.rows[1:], float(controller.fires_at)
+        acting = _acting(best, threshold)
+        told = taken.get("acting", acting)
+        told = np.where(told < 0, acting, told)
         result.decisions["acting"] = acting
-        result.margins["acting"] = margin
-        result.outputs["acting"] = taken.get("acting", acting).astype(np.float64)
+        result.margins["acting"] = _acting_margin(best, threshold, acting, told)
+        result.outputs["acting"] = told.astype(np.float64)
     return result
 
 
@@ -176,26 +179,25 @@ def _places(output: Output) -> Floats:
     return np.array(places)
 
 
-def _acting(best: Floats, fires_at: float, taken: Ints | None) -> tuple[Ints, Floats]:
-    """The code of the behavior that owns the strongest cell, and how far that is from being another.
-
-    ``best`` is (codes, N), row 0 for cells without an owner. The margin is the distance to the outcome that was taken
-    where that is another one, else to the nearest other outcome: to 0 it is the strength above ``fires_at``, to a
-    behavior the lead over its strength (or, from 0, what its strength lacks of ``fires_at``).
-    """
-    best = best[1:]
+def _acting(best: Floats, fires_at: float) -> Ints:
+    """The code of the behavior that owns the strongest cell; ``best`` is (codes from 1, N)."""
     strongest = best.max(axis=0)
-    code = np.where(strongest >= fires_at, best.argmax(axis=0) + 1, 0).astype(np.int64)
-    # distance[c]: how far the strengths are from making code c act
-    distance = np.concatenate(
-        [np.maximum(strongest - fires_at, 0.0)[None, :], np.maximum(strongest, fires_at) - best], axis=0
-    )
-    lanes = np.arange(best.shape[1])
-    other = distance.copy()
-    other[code, lanes] = np.inf
-    margin = other.min(axis=0)
-    if taken is not None:
-        valid = (taken != code) & (taken >= 0) & (taken < len(distance))
-        margin = np.where(valid, distance[np.where(valid, taken, 0), lanes], margin)
-        margin = np.where((taken != code) & ~valid, np.inf, margin)
-    return code, np.asarray(margin)
+    # argmax takes the first of equals: the higher priority
+    return np.where(strongest >= fires_at, best.argmax(axis=0) + 1, 0).astype(np.int64)
+
+
+def _acting_margin(best: Floats, fires_at: float, code: Ints, told: Ints) -> Floats:
+    """How far the strengths are from making another code act: the one that was told, else the nearest.
+
+    To 0 that is the strength above ``fires_at``; to a behavior the lead over its strength or, from 0, what its
+    strength lacks of ``fires_at``.
+    """
+    strongest = best.max(axis=0)
+    to_none = np.maximum(strongest - fires_at, 0.0)
+    distance = np.concatenate([to_none[None, :], np.maximum(strongest, fires_at) - best])
+    lanes = np.arange(len(code))
+    elsewhere = distance.copy()
+    elsewhere[code, lanes] = np.inf
+    known = np.where(told < len(distance), told, 0)
+    to_told = np.where(told < len(distance), distance[known, lanes], np.inf)
+    return np.where(told == code, elsewhere.min(axis=0), to_told)

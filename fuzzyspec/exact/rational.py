@@ -17,12 +17,12 @@ from fuzzyspec.model.term import PiecewiseLinear, Shape, Singleton
 ZERO, ONE = Fraction(0), Fraction(1)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Point:
-    """As ``Exact``, for one case. ``outputs`` has no ``acting``: it stands in ``decisions``.
+    """As ``Exact``, for one case; ``outputs`` are the controller's own.
 
     ``areas``: per output what its centroid was divided by (the sum of the levels for a weighted average), 0 where it
-    took its ``otherwise``: how well conditioned the quotient is.
+    took its ``otherwise``: how well conditioned the quotient is. ``acting`` is the code that was taken.
     """
 
     outputs: dict[str, Fraction]
@@ -30,6 +30,7 @@ class Point:
     margins: dict[str, Fraction]
     state: dict[str, Fraction]
     areas: dict[str, Fraction]
+    acting: int = 0
 
 
 def evaluate_controller_exactly(
@@ -64,7 +65,7 @@ def controller_point(
             key = f"fires.{output.name}"
             point.decisions[key] = int(best >= controller.fires_at)
             point.margins[key] = abs(best - controller.fires_at)
-            fires = bool(given.get(key, point.decisions[key]))
+            fires = bool(_told(given, key, point.decisions[key]))
         moment, area = _moment_and_area(output, controller.infer, fired) if fires else (ZERO, ZERO)
         point.areas[output.name] = area
         if area:
@@ -81,6 +82,12 @@ def controller_point(
     if controller.behaviors:
         _decide_acting(controller, rules, given, point)
     return point
+
+
+def _told(given: Mapping[str, int], key: str, own: int) -> int:
+    """The outcome to take: what is given, unless that is -1."""
+    told = given.get(key, -1)
+    return own if told < 0 else told
 
 
 _Rule = tuple[Mapping[int, int], Fraction, int]
@@ -250,8 +257,9 @@ def _decide_acting(
     code = min(c for c, s in best.items() if s == strongest) if strongest >= controller.fires_at else 0
     needed = max(strongest, controller.fires_at)
     distance = {0: max(strongest - controller.fires_at, ZERO)} | {c: needed - s for c, s in best.items()}
-    taken = given.get("acting", code)
+    taken = _told(given, "acting", code)
     point.decisions["acting"] = code
+    point.acting = taken
     point.margins["acting"] = (
         distance[taken] if taken != code else min(d for c, d in distance.items() if c != code)
     )

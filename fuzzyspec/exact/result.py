@@ -22,9 +22,9 @@ class Exact:
 
     ``outputs``: name to (N,) in the declared unit; ``acting`` is the code as a float. ``decisions``: key to (N,) or
     (N, capacity) integers, what this meaning decides by itself, whatever it was told to take. ``margins``: same keys
-    and shapes, how far the operands of the decision are apart (0 is a tie), in degrees or coherent units; infinite
-    where the decision is not asked (an element beyond the count, a branch that is not taken), and the decision is then
-    the one that was given, else 0. ``state``: what is held for the next step, in the declared unit.
+    and shapes, how far the operands of the decision are apart (0 is a tie), in degrees or coherent units. Where a
+    decision is not asked (an element beyond the count, a branch that is not taken) it is -1 and its margin infinite.
+    ``state``: what is held for the next step, in the declared unit.
     """
 
     outputs: dict[str, Floats]
