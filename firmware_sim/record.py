@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from firmware_sim.motion import wrapped_degrees
 from firmware_sim.paths import Leg
-from firmware_sim.run import Run, Sample
+from firmware_sim.run import Run, Sample, Track
 
 
 def as_csv(run: Run, ddc: Sequence[Sequence[float]]) -> str:
@@ -49,3 +49,17 @@ def _row(sample: Sample, leg: Leg, danger: float) -> dict[str, str]:
         }
     # Adding 0.0 turns the -0 that rounding left into 0.
     return {"acting": sample.command.acting} | {k: f"{round(x, 6) + 0.0:.6f}" for k, x in numbers.items()}
+
+
+def as_recording(track: Track) -> str:
+    """What one robot read, a line a period, as `fuzzyc verify --scenario` replays it: signals in declared units."""
+    width = max(len(s.readings.obstacles) for s in track.samples)
+    fields = ("distance", "bearing", "speed", "radius")
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["time", "target_bearing", *(f"obstacles.{k}.{f}" for k in range(width) for f in fields)])
+    for sample in track.samples:
+        seen = [repr(getattr(o, f)) for o in sample.readings.obstacles for f in fields]
+        blank = [""] * (width * len(fields) - len(seen))
+        writer.writerow([f"{sample.time:g}", repr(sample.readings.target_bearing), *seen, *blank])
+    return text.getvalue()
