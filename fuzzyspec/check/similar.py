@@ -20,3 +20,20 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     """A line of help, or None where no known name is near."""
     candidate = nearest(name, known)
     return None if candidate is None else f"did you mean `{candidate}`?"
+
+
+def listing(names: Iterable[str], most: int = 12) -> str:
+    """``a, b and c`` in the given order, cut short after ``most``."""
+    shown = [f"`{n}`" for n in names]
+    if len(shown) > most:
+        return ", ".join(shown[:most]) + f" and {len(shown) - most} more"
+    return " and ".join(part for part in (", ".join(shown[:-1]), *shown[-1:]) if part)
+
+
+def hint(name: str, known: Iterable[str], kind: str) -> str:
+    """The help of an unknown name: its likeliest meaning, else what there is to choose from."""
+    names = list(dict.fromkeys(known))
+    guess = did_you_mean(name, names)
+    if guess is not None:
+        return guess
+    return f"{kind} known here: {listing(names)}" if names else f"no {kind} are known here"
