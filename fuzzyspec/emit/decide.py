@@ -1,0 +1,123 @@
+"""Choices that the intervals decide: C must not compare what can only come out one way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import assert_never
+
+from fuzzyspec.fixed.program import (
+    Above,
+    AllOf,
+    AnyOf,
+    Binary,
+    Compare,
+    Const,
+    Element,
+    Expr,
+    Greatest,
+    Least,
+    Local,
+    MulHigh,
+    NotTest,
+    Quotient,
+    ReadField,
+    ReadPort,
+    ReadState,
+    Select,
+    Test,
+)
+
+
+def decided(test: Test) -> bool | None:
+    """The outcome for every input, or None where it depends on the input."""
+    match test:
+        case Compare():
+            return _compare(test)
+        case AllOf():
+            outcomes = [decided(t) for t in test.operands]
+            return False if False in outcomes else None if None in outcomes else True
+        case AnyOf():
+            outcomes = [decided(t) for t in test.operands]
+            return True if True in outcomes else None if None in outcomes else False
+        case NotTest():
+            outcome = decided(test.operand)
+            return None if outcome is None else not outcome
+        case _:
+            assert_never(test)
+
+
+def _compare(test: Compare) -> bool | None:
+    left, right = test.left, test.right
+    if left == right:
+        return test.op in ("<=", ">=", "==")
+    less = True if left.hi < right.lo else False if left.lo >= right.hi else None
+    less_equal = True if left.hi <= right.lo else False if left.lo > right.hi else None
+    if left.hi < right.lo or left.lo > right.hi:
+        equal: bool | None = False
+    else:
+        equal = True if left.lo == left.hi == right.lo == right.hi else None
+    match test.op:
+        case "<":
+            return less
+        case "<=":
+            return less_equal
+        case ">":
+            return None if less_equal is None else not less_equal
+        case ">=":
+            return None if less is None else not less
+        case "==":
+            return equal
+        case "!=":
+            return None if equal is None else not equal
+        case _:
+            assert_never(test.op)
+
+
+def settle(expr: Expr) -> Expr:
+    """The expression without choices that are decided; its value and its own interval stay."""
+    match expr:
+        case Const() | Local() | ReadPort() | ReadField() | ReadState():
+            return expr
+        case Element():
+            return replace(expr, index=settle(expr.index))
+        case Binary() | MulHigh():
+            return replace(expr, left=settle(expr.left), right=settle(expr.right))
+        case Quotient():
+            return replace(expr, num=settle(expr.num), den=settle(expr.den))
+        case Least():
+            outcome = decided(Compare("<", expr.left, expr.right))
+            return expr if outcome is None else expr.left if outcome else expr.right
+        case Greatest():
+            outcome = decided(Compare(">", expr.left, expr.right))
+            return expr if outcome is None else expr.left if outcome else expr.right
+        case Above():
+            outcome = decided(Compare(">", expr.left, expr.right))
+            if outcome is None:
+                return expr
+            return Binary("-", expr.left, expr.right, max(expr.lo, 0), expr.hi) if outcome else Const(0)
+        case Select():
+            test = settle_test(expr.test)
+            outcome = decided(test)
+            then, other = settle(expr.then), settle(expr.other)
+            if outcome is not None:
+                return then if outcome else other
+            return then if then == other else replace(expr, test=test, then=then, other=other)
+        case _:
+            assert_never(expr)
+
+
+def settle_test(test: Test) -> Test:
+    """The test without parts that are decided; a test that is decided as a whole stays as it is."""
+    match test:
+        case Compare():
+            return replace(test, left=settle(test.left), right=settle(test.right))
+        case AllOf() | AnyOf():
+            operands = tuple(settle_test(t) for t in test.operands)
+            if decided(replace(test, operands=operands)) is not None:
+                return replace(test, operands=operands)
+            kept = tuple(t for t in operands if decided(t) is None)
+            return kept[0] if len(kept) == 1 else replace(test, operands=kept)
+        case NotTest():
+            return NotTest(settle_test(test.operand))
+        case _:
+            assert_never(test)
