@@ -102,9 +102,9 @@ def sub_guarded(left: Expr, right: Expr, hi: int) -> Expr:
     return _binary("-", left, right, 0, hi)
 
 
-def add_bounded(left: Expr, right: Expr, hi: int) -> Expr:
-    """``left + right`` where the caller's proof (a loop invariant) holds the result in ``[0, hi]``."""
-    return _binary("+", left, right, 0, hi)
+def add_bounded(left: Expr, right: Expr, hi: int, lo: int = 0) -> Expr:
+    """``left + right`` where the caller's proof (a loop invariant) holds the result in ``[lo, hi]``."""
+    return _binary("+", left, right, lo, hi)
 
 
 def mul(left: Expr, right: Expr) -> Expr:
@@ -163,6 +163,7 @@ def least(left: Expr, right: Expr) -> Expr:
     if right.hi <= left.lo:
         return right
     _atoms(left, right)
+    _one_type(left, right)
     return Least(left, right, min(left.lo, right.lo), min(left.hi, right.hi))
 
 
@@ -172,6 +173,7 @@ def greatest(left: Expr, right: Expr) -> Expr:
     if right.lo >= left.hi:
         return right
     _atoms(left, right)
+    _one_type(left, right)
     return Greatest(left, right, max(left.lo, right.lo), max(left.hi, right.hi))
 
 
@@ -182,14 +184,15 @@ def above(left: Expr, right: Expr) -> Expr:
     if left.hi <= right.lo:
         return Const(0)
     _atoms(left, right)
-    if not fits((left.lo, left.hi), (right.lo, right.hi)):
-        raise RangeError("operands of a guarded difference do not fit one 32-bit type")
+    if not fits((left.lo, left.hi), (right.lo, right.hi), (0, left.hi - right.lo)):
+        raise RangeError("a guarded difference does not fit one 32-bit type with its operands")
     return Above(left, right, max(left.lo - right.hi, 0), left.hi - right.lo)
 
 
 def select(test: Test, then: Expr, other: Expr) -> Expr:
     if then == other:
         return then
+    _one_type(then, other)
     return Select(test, then, other, min(then.lo, other.lo), max(then.hi, other.hi))
 
 
@@ -229,6 +232,11 @@ def always(test: Test) -> bool | None:
             return True if a.lo == a.hi == b.lo == b.hi else False if a.hi < b.lo or b.hi < a.lo else None
         case "!=":
             return False if a.lo == a.hi == b.lo == b.hi else True if a.hi < b.lo or b.hi < a.lo else None
+
+
+def _one_type(left: Expr, right: Expr) -> None:
+    if not fits((left.lo, left.hi), (right.lo, right.hi)):
+        raise RangeError("the two values that are chosen from do not fit one 32-bit type")
 
 
 def _atoms(left: Expr, right: Expr) -> None:
