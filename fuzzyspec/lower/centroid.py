@@ -291,7 +291,7 @@ def _evaluated(
     areas, moments = _all_heights(draft, area, moment, height)
     hi = (int(areas.max()), int(moments.max()))
     steps, area, moment = _draft(pieces, top, height, scope, name, hi)
-    exact_area, exact_moment = _closed_form(form)
+    exact_area, exact_moment = closed_form(form)
     unit = float(scale.area)
     moment_unit = unit * (scale.weight_denominator if scale.exact else 1)
     slack = 2.0**-44  # float64 evaluation of the closed form: under 2**8 roundings of values below 1
@@ -353,7 +353,7 @@ def _all_heights(
     return result.outputs["area"], result.outputs["moment"]
 
 
-def _closed_form(form: ClippedSet) -> tuple[Floats, Floats]:
+def closed_form(form: ClippedSet) -> tuple[Floats, Floats]:
     """F and H at every clip height, in float64."""
     c = np.minimum(np.arange(DEGREE_ONE + 1) / DEGREE_ONE, float(form.height))
     area, moment = np.zeros_like(c), np.zeros_like(c)

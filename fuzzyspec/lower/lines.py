@@ -68,4 +68,7 @@ def fit(start: Fraction, slope: Fraction, length: int) -> Line:
     at_start = Fraction(offset, scale) - half - start
     at_end = at_start + (Fraction(signed, scale) - slope) * length
     top = max(offset, offset + signed * length) >> shift
-    return Line(m, falling, offset, shift, length, half + max(abs(at_start), abs(at_end)), top)
+    error = half + max(abs(at_start), abs(at_end))
+    # Below 1, so a degree that is exactly 0 or 1 comes out exactly.
+    assert error < 1
+    return Line(m, falling, offset, shift, length, error, top)

@@ -1,0 +1,119 @@
+"""Memberships over intervals: ranges, steepness, level sets. float64, rounded outwards by :data:`SLACK`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzzyspec.model.term import PiecewiseLinear, Shape, Singleton
+
+Floats = npt.NDArray[np.float64]
+
+SLACK = 2.0**-46
+"""Covers the float64 roundings of one membership (a subtraction, a division, a multiply-add of values of at most 1)."""
+
+GRID = 1024
+"""Level sets are tabulated at heights j / GRID; a height is taken down to the grid, which only widens its level set."""
+
+
+@dataclass(frozen=True)
+class Membership:
+    """One piecewise-linear term in relative positions (0 .. 1 over the variable's range).
+
+    ``x`` are its breakpoints, ``before``/``after`` the limits from either side, ``low``/``high`` the least and largest value
+    at each breakpoint.
+    """
+
+    x: Floats
+    before: Floats
+    after: Floats
+    low: Floats
+    high: Floats
+    steepest: float
+    jumps: bool
+
+    def over(self, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
+        """Least and largest membership over each closed interval ``lo .. hi``."""
+        ends = [self._at(lo), self._at(hi)]
+        least, most = np.minimum(*ends), np.maximum(*ends)
+        for x, low, high in zip(self.x, self.low, self.high, strict=True):
+            inside = (lo <= x) & (x <= hi)
+            least = np.where(inside, np.minimum(least, low), least)
+            most = np.where(inside, np.maximum(most, high), most)
+        # Exactly 0 and exactly 1 are kept: the integer degree is exact there.
+        low = np.where(least >= 1, 1.0, np.maximum(least - SLACK, 0.0))
+        return low, np.where(most <= 0, 0.0, np.minimum(most + SLACK, 1.0))
+
+    def _at(self, t: Floats) -> Floats:
+        """The value off the breakpoints, where ``over`` adds what holds there."""
+        j = np.searchsorted(self.x, t, side="right") - 1
+        last = len(self.x) - 1
+        k = np.clip(j, 0, last)
+        n = np.minimum(k + 1, last)
+        width = np.where(n > k, self.x[n] - self.x[k], 1.0)
+        inside = self.after[k] + (self.before[n] - self.after[k]) * np.clip((t - self.x[k]) / width, 0.0, 1.0)
+        result: Floats = np.where(j < 0, self.before[0], np.where(j >= last, self.after[last], inside))
+        return result
+
+
+def membership(shape: Shape, lo: Fraction, hi: Fraction) -> Membership:
+    """The term over the range ``lo .. hi``."""
+    if isinstance(shape, Singleton):
+        points: tuple[tuple[Fraction, Fraction], ...] = (
+            (shape.at, Fraction(0)),
+            (shape.at, Fraction(1)),
+            (shape.at, Fraction(0)),
+        )
+    else:
+        assert isinstance(shape, PiecewiseLinear)
+        points = shape.points
+    span = hi - lo
+    xs = sorted({x for x, _ in points})
+    groups = [[y for x, y in points if x == at] for at in xs]
+    before = [g[0] for g in groups]
+    after = [g[-1] for g in groups]
+    slopes = [
+        abs(b - a) / (x1 - x0) * span for x0, x1, a, b in zip(xs, xs[1:], after, before[1:], strict=False)
+    ]
+    return Membership(
+        np.array([float((x - lo) / span) for x in xs]),
+        np.array([float(b) for b in before]),
+        np.array([float(a) for a in after]),
+        np.array([float(min(g)) for g in groups]),
+        np.array([float(max(g)) for g in groups]),
+        float(max(slopes, default=Fraction(0))) * (1 + SLACK),
+        any(len(set(g)) > 1 for g in groups),
+    )
+
+
+def level_sets(m: Membership, lo: float, hi: float) -> tuple[Floats, Floats]:
+    """Ends of the smallest interval that holds ``{t in [lo, hi]: mu(t) >= j / GRID}``, for j = 0 .. GRID.
+
+    An empty set is the interval (0, 0); widened by SLACK otherwise.
+    """
+    left, right = np.zeros(GRID + 1), np.zeros(GRID + 1)
+    cuts = [lo, *(float(x) for x in m.x if lo < x < hi), hi]
+    segments = []
+    for a, b in zip(cuts, cuts[1:], strict=False):
+        middle = np.array([a + (b - a) / 4, a + 3 * (b - a) / 4])
+        ya, yb = m._at(middle)
+        slope = (yb - ya) * 2
+        segments.append((a, b, ya - slope / 4, ya + 5 * slope / 4 - slope / 4))
+    for j in range(GRID + 1):
+        height = j / GRID - SLACK
+        ends: list[float] = []
+        for a, b, ya, yb in segments:
+            if max(ya, yb) < height:
+                continue
+            if min(ya, yb) >= height:
+                ends += [a, b]
+                continue
+            cross = a + (b - a) * (height - ya) / (yb - ya)
+            ends += [cross, b] if yb > ya else [a, cross]
+        ends += [float(x) for x, y in zip(m.x, m.high, strict=True) if lo <= x <= hi and y >= height]
+        if ends:
+            left[j], right[j] = min(ends) - SLACK, max(ends) + SLACK
+    return left, right

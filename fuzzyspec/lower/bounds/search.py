@@ -1,0 +1,208 @@
+"""The largest error over all inputs: boxes are split where their bound is worst, until it cannot get much better.
+
+Every box's bound holds for all its inputs, so the largest over the boxes is a certificate whenever the search stops;
+splitting only makes it tighter.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from fuzzyspec.fixed.certificate import Band as DecisionBand
+from fuzzyspec.lower.bounds.memberships import Floats
+from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound, Parts
+from fuzzyspec.lower.bounds.strengths import Boxes, Strengths
+from fuzzyspec.lower.centroid import CentroidNumbers
+from fuzzyspec.lower.controller import ControllerNumbers
+
+CLOSE_ENOUGH = 1.05
+"""Stop where the bound is within this factor of the lemma's own value at a single point."""
+CHUNK = 4096
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How many boxes may be looked at, and how many cells of one box (else there is no bound)."""
+
+    boxes: int
+    first: int = 8192
+    cells: int = 1024
+
+
+@dataclass(frozen=True)
+class ControllerBounds:
+    """By output: the error in the output's unit (the range's width where none could be had), and why."""
+
+    errors: dict[str, Fraction]
+    reasons: dict[str, str]
+    certified: dict[str, bool]
+    bands: tuple[DecisionBand, ...]
+
+
+def bound_controller(
+    numbers: ControllerNumbers, input_errors: tuple[Fraction, ...], effort: Effort
+) -> ControllerBounds:
+    """|integer program - exact| of every output over all inputs, each input off by at most its error (in its unit)."""
+    controller = numbers.controller
+    relative = tuple(
+        float(e / (i.variable.hi - i.variable.lo)) * (1 + 2.0**-50) for e, i in zip(input_errors, controller.inputs, strict=True)
+    )
+    strengths = Strengths(numbers, relative)
+    fires = float(numbers.fires_at)
+    outputs = [
+        CentroidBound(o, n, fires) if isinstance(n, CentroidNumbers) else AverageBound(o, n, fires)
+        for o, n in zip(controller.outputs, numbers.outputs, strict=True)
+    ]
+    search = _Search(strengths, outputs, effort)
+    worst, parts = search.run()
+    errors: dict[str, Fraction] = {}
+    reasons: dict[str, str] = {}
+    certified: dict[str, bool] = {}
+    for o, output in enumerate(controller.outputs):
+        span = output.variable.hi - output.variable.lo
+        bound = worst[o] * (1 + 2.0**-40)
+        certified[output.name] = bound < 1
+        error = min(Fraction(bound), Fraction(1)) * span
+        if output.fallback is not None and not output.fallback.hold:
+            raw = output.variable.raw
+            error = max(error, abs(raw.value(raw.nearest(output.fallback.value)) - output.fallback.value))
+        errors[output.name] = error
+        reasons[output.name] = _reason(parts[o]) if bound < 1 else search.failure or _why_none(controller.outputs[o].name)
+    return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths))
+
+
+def _why_none(name: str) -> str:
+    return f"the area of {name} can come too near 0 for the errors of its degrees"
+
+
+def _reason(parts: tuple[float, float, float]) -> str:
+    total = sum(parts) or 1.0
+    shares = [round(100 * p / total) for p in parts]
+    return f"degrees {shares[0]} %, areas and moments {shares[1]} %, quotient and rounding {shares[2]} %"
+
+
+def _bands(numbers: ControllerNumbers, strengths: Strengths) -> tuple[DecisionBand, ...]:
+    """How close strengths must be for the two meanings to decide differently about them."""
+    controller = numbers.controller
+    whole = Boxes(np.zeros((1, len(controller.inputs))), np.ones((1, len(controller.inputs))))
+    off = [max(float(b.off.max()) for b in row) for row in strengths.degrees(whole)]
+    joined = max(off) if controller.infer.and_ == "min" else sum(off)
+    cells = Fraction(joined) + numbers.cell_error if controller.cells is not None else Fraction(0)
+    spoken = Fraction(sum(off)) if controller.infer.and_ != "min" or controller.infer.or_ != "max" else Fraction(max(off))
+    for error in numbers.sentence_errors:
+        cells = max(cells, spoken + error)
+    bands: list[DecisionBand] = []
+    for output, sure in zip(controller.outputs, controller.always_fires, strict=True):
+        if not sure:
+            width = cells + abs(numbers.fires_at - controller.fires_at)
+            bands.append(DecisionBand(f"fires.{output.name}", f"whether {output.name} fires", width))
+    if controller.behaviors and cells:
+        width = 2 * cells
+        if not any(controller.always_fires):
+            width += abs(numbers.fires_at - controller.fires_at)
+        bands.append(DecisionBand("acting", "which behavior acts", width))
+    return tuple(bands)
+
+
+class _Search:
+    def __init__(
+        self, strengths: Strengths, outputs: list[CentroidBound | AverageBound], effort: Effort
+    ) -> None:
+        self.strengths = strengths
+        self.outputs = outputs
+        self.effort = effort
+        self.failure = ""
+        self.steep = np.array([max(max(m.steepest for m in terms), 1.0) for terms in strengths.terms])
+
+    def run(self) -> tuple[list[float], list[tuple[float, float, float]]]:
+        """The certified bound of each output, relative to its range, and its parts at the worst box."""
+        boxes = self._first()
+        if boxes is None:
+            return [math.inf] * len(self.outputs), [(0.0, 0.0, 0.0)] * len(self.outputs)
+        total, parts = self._evaluate(boxes)
+        looked = len(boxes)
+        floor = self._points(boxes, total)
+        while looked < self.effort.boxes:
+            over = total / np.maximum(floor * CLOSE_ENOUGH, 1e-300)
+            score = over.max(axis=1)
+            open_ = np.flatnonzero(score > 1)
+            if not len(open_):
+                break
+            room = max(1, min(len(open_), (self.effort.boxes - looked) // 2, CHUNK))
+            chosen = open_[np.argsort(-score[open_], kind="stable")[:room]]
+            children = self._split(boxes, chosen)
+            more, more_parts = self._evaluate(children)
+            floor = np.maximum(floor, self._points(children, more))
+            keep = np.ones(len(boxes), dtype=bool)
+            keep[chosen] = False
+            # A box that is already below what some point needs will never be the worst one.
+            keep &= score > 1
+            boxes = Boxes(np.concatenate([boxes.lo[keep], children.lo]), np.concatenate([boxes.hi[keep], children.hi]))
+            closed = (total * (~keep & (score <= 1))[:, None]).max(axis=0, initial=0.0)
+            floor = np.maximum(floor, closed / CLOSE_ENOUGH)
+            total = np.concatenate([total[keep], more])
+            parts = np.concatenate([parts[keep], more_parts])
+            looked += len(children)
+        bounds = np.maximum(total.max(axis=0, initial=0.0), floor * CLOSE_ENOUGH) if len(total) else floor * CLOSE_ENOUGH
+        worst = [int(total[:, o].argmax()) for o in range(len(self.outputs))] if len(total) else []
+        shares = [tuple(parts[w, o]) for o, w in enumerate(worst)] or [(0.0, 0.0, 0.0)] * len(self.outputs)
+        return [float(b) for b in bounds], [(float(a), float(b), float(c)) for a, b, c in shares]
+
+    def _first(self) -> Boxes | None:
+        cuts: list[Floats] = []
+        for terms in self.strengths.terms:
+            inner = {float(x) for m in terms for x in m.x if 0 < x < 1}
+            cuts.append(np.array([0.0, *sorted(inner), 1.0]))
+        while math.prod(len(c) - 1 for c in cuts) > self.effort.first:
+            i = max(range(len(cuts)), key=lambda k: len(cuts[k]))
+            cuts[i] = np.concatenate([cuts[i][:-1:2], cuts[i][-1:]])
+        grids_lo = np.meshgrid(*(c[:-1] for c in cuts), indexing="ij")
+        grids_hi = np.meshgrid(*(c[1:] for c in cuts), indexing="ij")
+        boxes = Boxes(np.stack([g.ravel() for g in grids_lo], axis=1), np.stack([g.ravel() for g in grids_hi], axis=1))
+        if self.strengths.controller.cells is not None:
+            active = math.prod(
+                int((np.stack([b.hi for b in row], axis=1) > 0).sum(axis=1).max()) for row in self.strengths.degrees(boxes)
+            )
+            if active > self.effort.cells:
+                self.failure = f"up to {active} cells fire at once, more than the {self.effort.cells} that are followed"
+                return None
+        return boxes
+
+    def _points(self, boxes: Boxes, total: Floats) -> Floats:
+        """The lemma's value at the middle of the worst boxes: what no splitting gets below."""
+        count = min(len(boxes), 64)
+        chosen = np.unique(np.concatenate([np.argsort(-total[:, o], kind="stable")[:count] for o in range(total.shape[1])]))
+        middle = (boxes.lo[chosen] + boxes.hi[chosen]) / 2
+        found, _ = self._evaluate(Boxes(middle, middle))
+        result: Floats = found.max(axis=0)
+        return result
+
+    def _split(self, boxes: Boxes, chosen: np.typing.NDArray[np.int64]) -> Boxes:
+        lo, hi = boxes.lo[chosen], boxes.hi[chosen]
+        side = ((hi - lo) * self.steep).argmax(axis=1)
+        row = np.arange(len(chosen))
+        middle = (lo[row, side] + hi[row, side]) / 2
+        left_hi, right_lo = hi.copy(), lo.copy()
+        left_hi[row, side] = middle
+        right_lo[row, side] = middle
+        return Boxes(np.concatenate([lo, right_lo]), np.concatenate([left_hi, hi]))
+
+    def _evaluate(self, boxes: Boxes) -> tuple[Floats, Floats]:
+        """Bounds (B, outputs) and their parts (B, outputs, 3)."""
+        totals: list[Floats] = []
+        pieces: list[Floats] = []
+        for start in range(0, len(boxes), CHUNK):
+            part = slice(start, start + CHUNK)
+            levels = self.strengths.levels(Boxes(boxes.lo[part], boxes.hi[part]))
+            found: list[Parts] = [o.parts(band) for o, band in zip(self.outputs, levels, strict=True)]
+            totals.append(np.stack([p.total for p in found], axis=1))
+            pieces.append(
+                np.stack(
+                    [np.stack([p.degrees, p.rounding, np.full(len(p.degrees), p.tail)], axis=1) for p in found], axis=1
+                )
+            )
+        return np.concatenate(totals), np.concatenate(pieces)

@@ -1,0 +1,190 @@
+"""Strengths and levels over boxes of inputs, with what they can be off by.
+
+A quantity over B boxes is a :class:`Band`: the exact value lies in ``lo .. hi`` and the integer one within ``off`` of it.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import assert_never
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzzyspec.lower.bounds.memberships import Floats, Membership, membership
+from fuzzyspec.lower.controller import ControllerNumbers
+from fuzzyspec.model.controller import And, Antecedent, Controller, Is, Not, Or
+
+Ints = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Band:
+    lo: Floats
+    hi: Floats
+    off: Floats
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """B boxes in relative input positions; arrays are (B, inputs)."""
+
+    lo: Floats
+    hi: Floats
+
+    def __len__(self) -> int:
+        return len(self.lo)
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Levels of one output: arrays (B, terms). ``strongest`` is the largest strength's upper end."""
+
+    band: Band
+    rules: int
+
+
+class Strengths:
+    """Evaluates one controller's rules over boxes, for given errors of its inputs (relative to their ranges)."""
+
+    def __init__(self, numbers: ControllerNumbers, input_errors: tuple[float, ...]) -> None:
+        self.numbers = numbers
+        self.controller: Controller = numbers.controller
+        self.errors = input_errors
+        self.terms: list[list[Membership]] = [
+            [membership(t.shape, i.variable.lo, i.variable.hi) for t in i.terms] for i in self.controller.inputs
+        ]
+
+    def degrees(self, boxes: Boxes) -> list[list[Band]]:
+        """Degrees of every term of every input."""
+        found: list[list[Band]] = []
+        for i, terms in enumerate(self.terms):
+            own = float(self.numbers.degree_errors[i])
+            e = self.errors[i]
+            row: list[Band] = []
+            for m in terms:
+                lo, hi = m.over(boxes.lo[:, i] - e, boxes.hi[:, i] + e)
+                if e == 0:
+                    off = np.where((hi <= 0) | (lo >= 1), 0.0, own)
+                else:
+                    moved = m.over(boxes.lo[:, i] - 2 * e, boxes.hi[:, i] + 2 * e)
+                    reach = moved[1] - moved[0]
+                    slide = reach if m.jumps else np.minimum(reach, m.steepest * e)
+                    off = np.where(reach == 0, np.where((hi <= 0) | (lo >= 1), 0.0, own), own + slide)
+                row.append(Band(lo, hi, off))
+            found.append(row)
+        return found
+
+    def levels(self, boxes: Boxes) -> list[Band]:
+        """For every output the levels of its terms, arrays (B, terms)."""
+        degrees = self.degrees(boxes)
+        fired: list[list[tuple[Ints, Band]]] = [[] for _ in self.controller.outputs]
+        if self.controller.cells is not None:
+            self._cells(boxes, degrees, fired)
+        for number, rule in enumerate(self.controller.sentences):
+            band = self._sentence(rule.antecedent, degrees)
+            weight = float(rule.weight)
+            rounding = float(self.numbers.sentence_errors[number])
+            off = np.where(band.hi > 0, band.off * weight + rounding, 0.0)
+            band = Band(band.lo * weight, band.hi * weight, off)
+            for output, term in rule.consequents:
+                fired[output].append((np.full(len(boxes), term), band))
+        return [self._aggregate(len(boxes), len(o.terms), f) for o, f in zip(self.controller.outputs, fired, strict=True)]
+
+    def _aggregate(self, n: int, terms: int, fired: list[tuple[Ints, Band]]) -> Band:
+        lo, hi, off = np.zeros((n, terms + 1)), np.zeros((n, terms + 1)), np.zeros((n, terms + 1))
+        row = np.arange(n)
+        if self.controller.infer.aggregate == "sum":
+            for term, b in fired:
+                lo[row, term] += b.lo
+                hi[row, term] += b.hi
+                off[row, term] += b.off
+        else:
+            for term, b in fired:
+                lo[row, term] = np.maximum(lo[row, term], b.lo)
+                hi[row, term] = np.maximum(hi[row, term], b.hi)
+            widest = max((float(b.off.max(initial=0.0)) for _, b in fired), default=0.0)
+            for term, b in fired:
+                # Only a rule that can be the largest, in either meaning, moves the level.
+                counts = b.hi >= lo[row, term] - 2 * widest
+                off[row, term] = np.maximum(off[row, term], np.where(counts, b.off, 0.0))
+        return Band(lo[:, :terms], hi[:, :terms], off[:, :terms])
+
+    # --- cells ----------------------------------------------------------------------------------
+
+    def _cells(self, boxes: Boxes, degrees: list[list[Band]], fired: list[list[tuple[Ints, Band]]]) -> None:
+        cells = self.controller.cells
+        assert cells is not None
+        n = len(boxes)
+        row = np.arange(n)
+        slots: list[list[tuple[Ints, Band]]] = []
+        for terms in degrees:
+            lo = np.stack([b.lo for b in terms], axis=1)
+            hi = np.stack([b.hi for b in terms], axis=1)
+            off = np.stack([b.off for b in terms], axis=1)
+            order = np.argsort(-hi, axis=1, kind="stable")
+            active = int((hi > 0).sum(axis=1).max(initial=1))
+            slots.append(
+                [
+                    (order[:, j], Band(lo[row, order[:, j]], hi[row, order[:, j]], off[row, order[:, j]]))
+                    for j in range(max(active, 1))
+                ]
+            )
+        tables = [np.array([len(o.terms) if t < 0 else t for t in c]) for o, c in zip(self.controller.outputs, cells.consequents, strict=True)]
+        for combination in itertools.product(*slots):
+            index = np.zeros(n, dtype=np.int64)
+            for size, (term, _) in zip(cells.shape, combination, strict=True):
+                index = index * size + term
+            band = self.both([b for _, b in combination])
+            off = np.where(band.hi > 0, band.off + float(self.numbers.cell_error), 0.0)
+            band = Band(band.lo, band.hi, off)
+            for o, table in enumerate(tables):
+                fired[o].append((table[index], band))
+
+    # --- norms ----------------------------------------------------------------------------------
+
+    def both(self, parts: list[Band]) -> Band:
+        """``and`` of several."""
+        if self.controller.infer.and_ == "min":
+            lo = np.minimum.reduce([b.lo for b in parts])
+            hi = np.minimum.reduce([b.hi for b in parts])
+            widest = np.maximum.reduce([b.off for b in parts])
+            off = np.maximum.reduce([np.where(b.lo <= hi + 2 * widest, b.off, 0.0) for b in parts])
+            return Band(lo, hi, off)
+        product = parts[0]
+        for b in parts[1:]:
+            off = product.off * (b.hi + b.off) + b.off * product.hi
+            product = Band(product.lo * b.lo, product.hi * b.hi, off)
+        return product
+
+    def either(self, parts: list[Band]) -> Band:
+        """``or`` of several."""
+        if self.controller.infer.or_ == "max":
+            lo = np.maximum.reduce([b.lo for b in parts])
+            hi = np.maximum.reduce([b.hi for b in parts])
+            widest = np.maximum.reduce([b.off for b in parts])
+            off = np.maximum.reduce([np.where(b.hi >= lo - 2 * widest, b.off, 0.0) for b in parts])
+            return Band(lo, hi, off)
+        result = parts[0]
+        for b in parts[1:]:
+            # 1 - (1 - a)(1 - b)
+            lo = 1 - (1 - result.lo) * (1 - b.lo)
+            hi = 1 - (1 - result.hi) * (1 - b.hi)
+            off = result.off + b.off
+            result = Band(lo, hi, off)
+        return result
+
+    def _sentence(self, node: Antecedent, degrees: list[list[Band]]) -> Band:
+        match node:
+            case Is(i, terms):
+                return self.either([degrees[i][t] for t in terms])
+            case Not(operand):
+                b = self._sentence(operand, degrees)
+                return Band(1 - b.hi, 1 - b.lo, b.off)
+            case And(operands):
+                return self.both([self._sentence(o, degrees) for o in operands])
+            case Or(operands):
+                return self.either([self._sentence(o, degrees) for o in operands])
+            case _:
+                assert_never(node)

@@ -1,0 +1,77 @@
+"""Division into a ranged place: a 16-bit quotient of integers that stay exact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+from fuzzyspec.fixed import build
+from fuzzyspec.fixed.program import AllOf, Const, Select, Test
+from fuzzyspec.lower.scaled import Arithmetic, Scaled, constant
+
+QUOTIENT_ONE = 1 << 16
+
+
+def divide(
+    arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction] | None, name: str
+) -> Scaled:
+    """``x / y`` saturated into a range (docs/numbers.md, lemma "quotient").
+
+    With ``t = (x/y - lo) / (hi - lo)`` the program computes ``(x - lo y) / ((hi - lo) y)``, numerator and divisor exact in
+    one step: no correlation between them is lost, nothing overflows, and x/0 is the end on x's side. Raises RangeError
+    where the divisor's integers may be 0 although its range is not, or hold both signs.
+    """
+    if y.hi <= 0:
+        x, y = arithmetic.negated(x), arithmetic.negated(y)
+    if y.lo < 0:
+        raise build.RangeError("the divisor may have both signs")
+    if into is None:
+        if y.lo <= 0:
+            raise build.RangeError("the divisor may be 0")
+        corners = [a / b for a in (x.lo, x.hi) for b in (y.lo, y.hi)]
+        into = (min(corners), max(corners))
+    lo, hi = into
+    if lo == hi:
+        return constant(lo)
+    above_low = arithmetic.plus(x, arithmetic.by_constant(y, -lo), name)
+    extent = arithmetic.by_constant(y, hi - lo)
+    p, q = arithmetic.common([above_low, extent], name)
+    rounding = p.error - above_low.error + q.error - extent.error
+    signed = arithmetic.bind(p.expr, name)
+    num = arithmetic.bind(build.greatest(signed, Const(0)), f"{name}_num")
+    den = arithmetic.bind(q.expr, f"{name}_den")
+    if den.lo < 0:
+        den = arithmetic.bind(build.greatest(den, Const(0)), f"{name}_den")
+    ratio = build.quotient(num, den)
+    if signed.lo < 0 and den.lo <= 0:
+        # A negative x over 0 is the low end; the quotient kernel alone would give the high one.
+        ratio = Select(build.compare("<=", signed, Const(0)), Const(0), ratio, 0, QUOTIENT_ONE)
+    t = arithmetic.bind(ratio, name)
+    step = (hi - lo) / QUOTIENT_ONE
+    half = step / 2
+    error = half
+    if x.error or y.error or rounding:
+        reach = max(abs(lo), abs(hi))
+        worst = x.error + reach * y.error + rounding * (1 + 1 / (hi - lo))
+        spread = hi - lo
+        error += min(spread, worst / y.lo) if y.lo > 0 else spread
+    return Scaled(t, step, lo + half, error)
+
+
+def zero_over_zero(arithmetic: Arithmetic, x: Scaled, y: Scaled, name: str) -> tuple[Test, Fraction]:
+    """The test for 0/0 and the width of its band in coherent units."""
+    p, q = arithmetic.common([x, y], name)
+    a, b = arithmetic.bind(p.expr, name), arithmetic.bind(q.expr, f"{name}_den")
+    test = AllOf((build.compare("==", a, Const(0)), build.compare("==", b, Const(0))))
+    return test, max(p.error, q.error)
+
+
+def settle(arithmetic: Arithmetic, test: Test, quotient: Scaled, fallback: Scaled, name: str) -> Scaled:
+    """The fallback where the test holds, in the quotient's format."""
+    other = arithmetic.rounded(fallback, quotient.step, quotient.offset, name)
+    if isinstance(other.expr, Const):
+        other = replace(other, expr=Const(max(0, min(QUOTIENT_ONE, other.expr.value))))
+        value = other.offset + other.step * other.expr.lo
+        other = replace(other, error=fallback.error + abs(value - fallback.lo))
+    expr = build.select(test, other.expr, quotient.expr)
+    return Scaled(arithmetic.bind(expr, name), quotient.step, quotient.offset, max(quotient.error, other.error))
