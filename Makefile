@@ -43,7 +43,8 @@ test-long: .venv/for-test lint wheel ## everything: also the tests that take min
 wheel: .venv/for-test ## build the wheel, install it into an empty environment, compile from another folder
 	@$(BIN)/python scripts/try_wheel.py
 
-generated: .venv/for-demo ## bring generated/ up to date with the examples
+generated: .venv/for-test ## bring generated/ up to date with the examples, and the parser's table with the grammar
+	@$(BIN)/python -m fuzzyspec.syntax.generate
 	@for name in $(EXAMPLES); do $(BIN)/fuzzyc compile "examples/$$name.fz" -o "generated/$$name" || exit $$?; done
 
 clean: ## remove what make made, .venv too

@@ -70,11 +70,11 @@ def python() -> Finding:
 def libraries() -> tuple[Finding, ...]:
     """Python packages: those we need, and those that a command needs."""
     listed = (
-        ("lark", "reads specs", True),
         ("jinja2", "lays out C", True),
         ("numpy", "exact and integer models", True),
         ("cffi", "calls the generated C", True),
         ("matplotlib", "fuzzyc sim: figures", False),
+        ("lark", "after a change of grammar/: the parser's table", False),
     )
     return tuple(
         Finding(name, use, package_version(name), f"pip install {name}", needed) for name, use, needed in listed
