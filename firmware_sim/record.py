@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Sequence
 
 from firmware_sim.motion import wrapped_degrees
@@ -47,8 +48,12 @@ def _row(sample: Sample, leg: Leg, danger: float) -> dict[str, str]:
             f"obstacle{k}_speed_mps": seen.speed,
             f"obstacle{k}_radius_m": seen.radius,
         }
-    # Adding 0.0 turns the -0 that rounding left into 0.
-    return {"acting": sample.command.acting} | {k: f"{round(x, 6) + 0.0:.6f}" for k, x in numbers.items()}
+    return {"acting": sample.command.acting} | {column: _number(x) for column, x in numbers.items()}
+
+
+def _number(x: float) -> str:
+    # Adding 0.0 turns the -0 that rounding left into 0. A spec without a layer "danger" has no DDC.
+    return "" if math.isnan(x) else f"{round(x, 6) + 0.0:.6f}"
 
 
 def as_recording(track: Track) -> str:

@@ -1,8 +1,8 @@
-"""Text files that belong to the compiler but lie outside its package: the grammar and the templates.
+"""Text files that belong to the compiler but lie outside its package: the grammar, the templates, the examples.
 
-In a checkout they are the folders ``grammar/`` and ``templates/`` beside the package. The wheel must carry the same
-files as ``fuzzyspec/_data/grammar/`` and ``fuzzyspec/_data/templates/`` (a force-include in ``pyproject.toml``), and as
-package data every ``fuzzyspec/**/*.json`` (``fuzzyspec/syntax/table.json`` is the parser's table).
+In a checkout they are the folders ``grammar/``, ``templates/`` and ``examples/`` beside the package. The wheel carries
+the same files under ``fuzzyspec/_data/`` (see ``pyproject.toml``), and as package data every ``fuzzyspec/**/*.json``
+(``fuzzyspec/syntax/table.json`` is the parser's table).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Literal
 
-Kind = Literal["grammar", "templates"]
+Kind = Literal["grammar", "templates", "examples"]
 
 
 def folder(kind: Kind) -> Traversable:
