@@ -32,7 +32,7 @@ test: lint pytest ## ruff, mypy, the import contract and the tests: under ten mi
 lint: .venv/for-test
 	@$(BIN)/python -m ruff check --quiet
 	@$(BIN)/python -m mypy
-	@$(BIN)/lint-imports
+	@$(BIN)/lint-imports --no-logo
 
 pytest: .venv/for-test
 	@$(BIN)/python -m pytest -n auto -m "not long"
