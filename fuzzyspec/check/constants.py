@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from fuzzyspec.check.arithmetic import Value
@@ -106,7 +106,8 @@ class _ConstantScope:
         c = self._constants
         name = ref.parts[0].text
         if len(ref.parts) == 1 and name in c.params:
-            return c.params[name]
+            known = c.params[name]
+            return None if known is None else replace(known, span=ref.span)
         if len(ref.parts) > 1:
             c.not_constant(ref.span)
             return None

@@ -80,7 +80,7 @@ class _ControllerChecker:
             lambda expr: self._constants.plain(expr, "a weight or priority"),
             self._rule_report(declared),
         )
-        if rules.cells is not None:
+        if rules.cells is not None and self._constants.findings.errors == before:
             self._report_gaps(inputs)
         controller = Controller(
             decl.name.text,
@@ -127,8 +127,10 @@ class _ControllerChecker:
             self._check_terms_alone(item)
             return
         terms = self._terms(item, variable)
+        if not terms.names:
+            self._vague.update(n.text for n in item.names)
         fallback = self._fallback(item, variable)
-        for name in fresh:
+        for name in fresh if terms.names else ():
             own = self._variables.renamed(variable, name)
             if item.kind == "input":
                 self._inputs.append(Input(own, terms.terms, terms.peaks))
@@ -254,7 +256,7 @@ class _ControllerChecker:
         """Stretches of an input where no term has any degree: no cell can fire there."""
         for i in inputs:
             shapes = [t.shape.points for t in i.terms if isinstance(t.shape, PiecewiseLinear)]
-            if i.peaks is not None or not shapes or self._constants.findings.errors:
+            if i.peaks is not None or not shapes:
                 continue
             v = i.variable
             gap = first_gap(shapes, v.lo, v.hi)

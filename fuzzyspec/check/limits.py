@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from fuzzyspec.check.findings import Report
-from fuzzyspec.diagnostics.diagnostic import Diagnostic
+from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import ListInput, Module, System, SystemOutput
 
 MOST_STATUS_BITS = 32
 
 
-def check_limits(module: Module, report: Report) -> None:
+def check_limits(module: Module, names: Mapping[str, Span], report: Report) -> None:
     """Report every function whose status would need more bits than an integer has."""
     functions: tuple[Controller | System, ...] = (*module.controllers, *module.systems)
     for f in functions:
@@ -21,7 +23,7 @@ def check_limits(module: Module, report: Report) -> None:
                 Diagnostic(
                     "FZ442",
                     f"{kind} `{f.name}` needs {bits} status bits",
-                    f.span,
+                    names[f.name],
                     label=f"the status holds {MOST_STATUS_BITS}",
                     help="each input, list field, list, saturating output and fallback takes one: split it",
                 )

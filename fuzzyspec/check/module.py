@@ -20,6 +20,8 @@ from fuzzyspec.syntax import tree
 
 RESERVED_CONTROLLERS = dict.fromkeys((*FUNCTIONS, *FOLDS), "a built-in function")
 
+_CONSTANT = (tree.UnitDecl, tree.Param)
+
 
 def check(
     module: tree.Module, source: Source, parse_diagnostics: tuple[Diagnostic, ...] = ()
@@ -53,13 +55,13 @@ class _ModuleChecker:
                 self._unit(item)
             elif isinstance(item, tree.Param):
                 self._param(item)
-        functions = Names(self._report)
+        taken = Names(self._report)
         controllers: dict[str, CheckedController] = {}
         for item in self._module.items:
             if isinstance(item, tree.ControllerDecl):
                 check_identifier("controller", item.name, self._report, field=False)
                 free = check_reserved("controller", item.name, RESERVED_CONTROLLERS, self._report)
-                fresh = functions.declare("controller", item.name)
+                fresh = taken.declare("controller", item.name)
                 checked = check_controller(item, self._constants, self._is_torn(item.span))
                 if fresh and free:
                     controllers[item.name.text] = checked
@@ -67,14 +69,15 @@ class _ModuleChecker:
         for item in self._module.items:
             if isinstance(item, tree.SystemDecl):
                 check_identifier("system", item.name, self._report, field=False)
-                functions.declare("system", item.name)
+                taken.declare("system", item.name)
                 systems.append(
                     check_system(item, controllers, self._constants, self._param_names, self._is_torn(item.span))
                 )
         name = "" if self._module.name is None else self._module.name.text
         model = Module(name, tuple(c.controller for c in controllers.values()), tuple(systems))
         if not self._torn:
-            check_limits(model, self._report)
+            functions_at = {i.name.text: i.name.span for i in self._module.items if not isinstance(i, _CONSTANT)}
+            check_limits(model, functions_at, self._report)
         return model
 
     def _is_torn(self, span: Span) -> bool:
@@ -84,17 +87,6 @@ class _ModuleChecker:
         module = self._module
         if module.name is not None:
             check_identifier("module", module.name, self._report)
-        elif not self._torn:
-            start = min((i.span.start for i in module.items), default=module.span.start)
-            self._report(
-                Diagnostic(
-                    "FZ230",
-                    "the file does not say which module it is",
-                    Span(start, start + 1),
-                    label="`module NAME` comes first",
-                    help="the name becomes the prefix of every C symbol: `module nav`",
-                )
-            )
         functions = [i for i in module.items if isinstance(i, tree.ControllerDecl | tree.SystemDecl)]
         if not functions and not self._torn:
             self._report(

@@ -119,7 +119,7 @@ def check_identifier(what: str, name: tree.Name, report: Report, field: bool = T
                 f"`{text}` cannot be the name of this {what}",
                 name.span,
                 label=reason,
-                help=f"choose another name, such as `{text.strip('_')}_in`" if field else "choose another name",
+                help="choose another name",
             )
         )
 

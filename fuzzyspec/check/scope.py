@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from fuzzyspec.check.arithmetic import Value
 from fuzzyspec.check.controller import CheckedController
@@ -87,10 +87,12 @@ class SystemScope:
         """The number that a name stands for, or None with a diagnostic."""
         first = ref.parts[0]
         if len(ref.parts) == 1:
-            return self._plain(first)
-        if first.text in self.context.items:
-            return self._field(self.context.items[first.text], ref.parts[1], ref)
-        return self._part(first, ref.parts[1])
+            found = self._plain(first)
+        elif first.text in self.context.items:
+            found = self._field(self.context.items[first.text], ref.parts[1], ref)
+        else:
+            found = self._part(first, ref.parts[1])
+        return None if found is None else replace(found, span=ref.span)
 
     def entry(self, name: tree.Name) -> Entry | None:
         """What a name stands for; reports it where it is unknown or comes later."""

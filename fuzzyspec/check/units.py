@@ -9,7 +9,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from fuzzyspec.check.findings import Report
-from fuzzyspec.check.similar import hint
+from fuzzyspec.check.similar import listing, nearest
 from fuzzyspec.diagnostics.diagnostic import Diagnostic
 from fuzzyspec.model.units import ONE, Unit
 from fuzzyspec.syntax import tree
@@ -94,6 +94,13 @@ def describe(of: Dims) -> str:
     return f"in {coherent(of).symbol}" if of else "a plain number"
 
 
+_SPELT_OUT = {
+    "meter": "m", "metre": "m", "second": "s", "sec": "s", "minute": "min", "degree": "deg", "radian": "rad",
+    "percent": "%", "volt": "V", "watt": "W", "newton": "N", "kelvin": "K", "celsiu": "degC", "amp": "A", "ampere": "A",
+    "hertz": "Hz", "pascal": "Pa", "centimeter": "cm", "millimeter": "mm", "kilometer": "km", "millisecond": "ms",
+}  # fmt: skip
+
+
 class Units:
     """The units that a file knows: the built-in ones and those it declares."""
 
@@ -145,9 +152,14 @@ class Units:
                 f"unknown unit `{symbol}`",
                 expr.span,
                 label="not a unit that is built in or declared above",
-                help=hint(symbol, self._known, "units") + f"; or declare it: `unit {symbol} = ...`",
+                help=self._way_out(symbol),
             )
         )
+
+    def _way_out(self, symbol: str) -> str:
+        near = _SPELT_OUT.get(symbol.lower().rstrip("s")) or nearest(symbol, self._known)
+        guess = f"did you mean `{near}`?" if near is not None else f"known units: {listing(self._known, most=99)};"
+        return f"{guess} A unit of your own is declared at the top: `unit {symbol} = ..`"
 
     def _affine(self, symbol: str, expr: tree.UnitExpr, report: Report) -> None:
         report(

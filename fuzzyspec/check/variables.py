@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from fuzzyspec.check.constants import Constants
 from fuzzyspec.check.quantities import number as shown
-from fuzzyspec.check.similar import hint
+from fuzzyspec.check.similar import hint, listing
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Span
 from fuzzyspec.model.units import ONE, Unit
 from fuzzyspec.model.variable import RAW_LIMITS, CType, Raw, Variable
@@ -148,6 +148,8 @@ class Variables:
             return known[text]
         if text.removesuffix("_t") in known:
             way_out = f"write `{text.removesuffix('_t')}`"
+        elif text.removesuffix("_t").endswith(("32", "64")):
+            way_out = f"raws have 8 or 16 bits: {listing(known)}"
         else:
             way_out = hint(text, known, "raw types")
         self._report(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from textwrap import dedent
 
 from fuzzyspec.diagnostics.diagnostic import Severity
 
@@ -19,3 +20,8 @@ class Code:
     title: str
     severity: Severity
     page: str
+
+
+def explained(code: str, title: str, page: str, severity: Severity = "error") -> Code:
+    """A code with its page as it stands indented in the source."""
+    return Code(code, title, severity, dedent(page).strip() + "\n")
