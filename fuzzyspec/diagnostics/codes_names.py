@@ -19,10 +19,11 @@ CODES: tuple[Code, ...] = (
         here: ask for an output of a call, as in `drive.v`. """,
     ),
     explained(
-        "FZ202", "unknown controller or function",
+        "FZ202",
+        "unknown controller or function",
         """
-        What is called is neither a controller of the file nor one of the functions min, max, abs, clamp, to_rad and
-        to_deg.
+        What is called is neither a controller of the file nor one of the functions min, max, abs, clamp, to_rad
+        and to_deg.
 
             let drive = velocty(target: target_bearing)         # velocity
 
@@ -42,10 +43,11 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ204", "unknown unit",
+        "FZ204",
+        "unknown unit",
         """
-        Built in are m, mm, cm, km, kg, s, ms, us, min, A, K, degC, rad, deg, rpm, %, Hz, N, Pa, W and V, and products of
-        their powers such as m/s, m/s^2 or kg*m/s^2.
+        Built in are m, mm, cm, km, kg, s, ms, us, min, A, K, degC, rad, deg, rpm, %, Hz, N, Pa, W and V, and
+        products of their powers such as m/s, m/s^2 or kg*m/s^2.
 
             input speed in [0, 3] knots
 
@@ -67,15 +69,16 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ207", "unknown setting or method",
+        "FZ207",
+        "unknown setting or method",
         """
-        `infer` has the settings and = min or product, or = max or probsum, implies = min or product, aggregate = max or
-        sum, defuzzify = centroid or weighted_average.
+        `infer` has the settings and = min or product, or = max or probsum, implies = min or product, aggregate
+        = max or sum, defuzzify = centroid or weighted_average.
 
             infer { and = lukasiewicz }
 
-        What is left out has its default: min, max, min, max and centroid; or, where the outputs have singletons,
-        weighted_average with aggregate = sum.
+        What is left out has its default: min, max, min, max and centroid; or, where the outputs have
+        singletons, weighted_average with aggregate = sum.
         """,
     ),
     explained(
@@ -90,7 +93,8 @@ CODES: tuple[Code, ...] = (
         power of two. """,
     ),
     explained(
-        "FZ209", "unknown argument",
+        "FZ209",
+        "unknown argument",
         """
         A call names an input that the controller does not have.
 
@@ -114,11 +118,12 @@ CODES: tuple[Code, ...] = (
         Rename one of them, or drop it. Different controllers may use the same names. """,
     ),
     explained(
-        "FZ211", "a name that cannot be used",
+        "FZ211",
+        "a name that cannot be used",
         """
-        Inputs, outputs and fields become members of structs in the generated C, which C++ must be able to read too.
-        Their names cannot be keywords of either, nor begin with an underscore. Some names have a meaning already:
-        `count` of a list, `acting` of a controller with behaviors, and the functions of the language.
+        Inputs, outputs and fields become members of structs in the generated C, which C++ must be able to read
+        too. Their names cannot be keywords of either, nor begin with an underscore. Some names have a meaning
+        already: `count` of a list, `acting` of a controller with behaviors, and the functions of the language.
 
             input default in [0, 1] { .. }
 
@@ -138,10 +143,11 @@ CODES: tuple[Code, ...] = (
         the controllers and systems of a file. """,
     ),
     explained(
-        "FZ213", "a name that is too long",
+        "FZ213",
+        "a name that is too long",
         """
-        A name becomes part of longer ones in C, of which a compiler need only tell the first 63 characters apart. A name
-        of at most 40 characters leaves room for what is put around it.
+        A name becomes part of longer ones in C, of which a compiler need only tell the first 63 characters
+        apart. A name of at most 40 characters leaves room for what is put around it.
         """,
     ),
     explained(
@@ -155,7 +161,8 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ215", "argument given twice",
+        "FZ215",
+        "argument given twice",
         """
         A call gives each input once.
 
@@ -173,7 +180,8 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ217", "wrong number of arguments",
+        "FZ217",
+        "wrong number of arguments",
         """
         A function or a shape gets more or fewer arguments than it takes.
 
@@ -196,10 +204,11 @@ CODES: tuple[Code, ...] = (
         `to_rad(..)` and `to_deg(..)` go from one to the other, with 245850922/78256779 for pi. """,
     ),
     explained(
-        "FZ221", "a unit with an offset in a product",
+        "FZ221",
+        "a unit with an offset in a product",
         """
-        degC counts from another zero than K. It can be the unit of a variable or of a number, but not part of a product
-        such as degC/s.
+        degC counts from another zero than K. It can be the unit of a variable or of a number, but not part of a
+        product such as degC/s.
 
             input rate in [-2, 2] degC/s { .. }         # K/s
 
@@ -216,7 +225,8 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ223", "not an angle in degrees",
+        "FZ223",
+        "not an angle in degrees",
         """
         `to_rad` takes a value whose unit holds deg once (deg, deg/s, ..), `to_deg` one that holds no deg.
 
@@ -237,7 +247,8 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ232", "a system without outputs",
+        "FZ232",
+        "a system without outputs",
         """
         What a step computes leaves it through its outputs.
 
@@ -257,9 +268,11 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ234", "nothing to compile",
+        "FZ234",
+        "nothing to compile",
         """
-        A file holds a controller or a system at least. A controller without a system compiles to its own function.
+        A file holds a controller or a system at least. A controller without a system compiles to its own
+        function.
         """,
     ),
     explained(
@@ -275,7 +288,8 @@ CODES: tuple[Code, ...] = (
         holds: `otherwise hold initial 0`. """,
     ),
     explained(
-        "FZ241", "used before it is defined",
+        "FZ241",
+        "used before it is defined",
         """
         A system is read from top to bottom, and computed in that order.
 
@@ -287,13 +301,16 @@ CODES: tuple[Code, ...] = (
         "FZ242",
         "defined, but never used",
         """
-        Nothing needs this `let`; perhaps another name was meant where it should be used. """, "warning",
+        Nothing needs this `let`; perhaps another name was meant where it should be used.
+        """,
+        "warning",
     ),
     explained(
-        "FZ243", "a list or an element is not a number",
+        "FZ243",
+        "a list or an element is not a number",
         """
-        A list has many elements, and an element has fields. A number is a field of one element, reached in a loop or a
-        fold.
+        A list has many elements, and an element has fields. A number is a field of one element, reached in a
+        loop or a fold.
 
             let d = obstacles.distance          # of which obstacle?
 
@@ -314,7 +331,8 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ245", "`acting` cannot stand here",
+        "FZ245",
+        "`acting` cannot stand here",
         """
         A controller with behaviors reports which one acted, as a code. A system hands it on, and nothing else:
 
@@ -335,9 +353,11 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ247", "a condition and a number are not the same",
+        "FZ247",
+        "a condition and a number are not the same",
         """
-        Comparisons, `in [lo, hi]`, and, or and not make conditions. They stand after `if`; numbers stand everywhere else.
+        Comparisons, `in [lo, hi]`, and, or and not make conditions. They stand after `if`; numbers stand
+        everywhere else.
 
             let near = o.distance < 2 m                     # let near = 1 if o.distance < 2 m else 0
             let x = a if b else 0                           # a if b > 0 else 0
@@ -354,10 +374,11 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ249", "a controller that remembers, called for each element",
+        "FZ249",
+        "a controller that remembers, called for each element",
         """
-        An output that holds needs a memory from step to step. The elements of a list come and go, so there is none for
-        each of them.
+        An output that holds needs a memory from step to step. The elements of a list come and go, so there is
+        none for each of them.
 
         Give the output `otherwise VALUE` without `hold`, or call the controller once, outside of the loop.
         """,
@@ -378,10 +399,11 @@ CODES: tuple[Code, ...] = (
         A fold that a loop needs stands in a `let` before the loop. """,
     ),
     explained(
-        "FZ251", "a maximum or minimum of nothing",
+        "FZ251",
+        "a maximum or minimum of nothing",
         """
-        A list can be empty, and its elements may all fail the test. The sum and the count are 0 then; a maximum or
-        minimum must be told.
+        A list can be empty, and its elements may all fail the test. The sum and the count are 0 then; a maximum
+        or minimum must be told.
 
             let nearest = min(o.distance for o in obstacles)                        # of no obstacle?
             let nearest = min(o.distance for o in obstacles, otherwise 8 m)
@@ -395,10 +417,11 @@ CODES: tuple[Code, ...] = (
         if o.distance < 1 m)`. The mean is a sum divided by a count. """,
     ),
     explained(
-        "FZ253", "`otherwise` that settles nothing",
+        "FZ253",
+        "`otherwise` that settles nothing",
         """
-        In an expression, `otherwise` says what a quotient is at 0/0. It follows the quotient directly, in parentheses
-        where more follows.
+        In an expression, `otherwise` says what a quotient is at 0/0. It follows the quotient directly, in
+        parentheses where more follows.
 
             let a = x + y otherwise 3           # no quotient
             let b = clamp(x / y otherwise 3, 0, 5) + 1

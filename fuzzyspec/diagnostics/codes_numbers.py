@@ -15,14 +15,16 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ402", "a raw type that cannot hold the range",
+        "FZ402",
+        "a raw type that cannot hold the range",
         """
         A raw must be able to stand for every value inside of the range.
 
             input e in [-4, 4] raw uint16 { .. }                # goes below 0: int16
             input e in [0, 100] raw uint8 step 0.1 { .. }       # needs raws up to 1000
 
-        Use a wider type or a coarser step, or leave the step out: the finest power of two that fits is then chosen.
+        Use a wider type or a coarser step, or leave the step out: the finest power of two that fits is then
+        chosen.
         """,
     ),
     explained(
@@ -36,10 +38,11 @@ CODES: tuple[Code, ...] = (
         A sensor that counts backwards is described by its counts: `raw uint16 4095..0`. """,
     ),
     explained(
-        "FZ404", "counts that cannot be mapped",
+        "FZ404",
+        "counts that cannot be mapped",
         """
-        `raw uint16 0..4095` maps whole counts onto the range; the first count is its low end, the last its high end.
-        They must differ; they may run backwards.
+        `raw uint16 0..4095` maps whole counts onto the range; the first count is its low end, the last its high
+        end. They must differ; they may run backwards.
 
             input e in [0, 4] raw uint16 7..7 { .. }
         """,
@@ -58,7 +61,8 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ406", "a list of no size",
+        "FZ406",
+        "a list of no size",
         """
         A list has room for 1 to 255 elements, a whole number that is known when the spec is compiled.
 
@@ -76,7 +80,8 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ411", "a peak outside of the range",
+        "FZ411",
+        "a peak outside of the range",
         """
         The peaks of a partition and singletons lie inside of the range.
 
@@ -93,11 +98,12 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ413", "`full` where it has no meaning",
+        "FZ413",
+        "`full` where it has no meaning",
         """
-        `full` mirrors the inner half of the end terms of an output's partition outwards, so that a centroid reaches the
-        ends of the range. The end peaks must lie on the ends, and no other terms may stand beside the partition. Inputs
-        have no use for it.
+        `full` mirrors the inner half of the end terms of an output's partition outwards, so that a centroid
+        reaches the ends of the range. The end peaks must lie on the ends, and no other terms may stand beside
+        the partition. Inputs have no use for it.
 
             output u in [0, 1] { partition LOW at 0, HIGH at 0.9 full }
         """,
@@ -113,10 +119,11 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ415", "points out of order, or not memberships",
+        "FZ415",
+        "points out of order, or not memberships",
         """
-        `points((x, y), ..)` goes from low to high x, with y from 0 to 1. Two points at one x make a jump, where the larger
-        value holds.
+        `points((x, y), ..)` goes from low to high x, with y from 0 to 1. Two points at one x make a jump, where
+        the larger value holds.
 
             term near = points((0, 1), (2, 0.5), (1, 0))
         """,
@@ -132,7 +139,8 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ417", "a partition of one",
+        "FZ417",
+        "a partition of one",
         """
         A partition divides a range among two terms or more, all of them placed with `at` or none.
 
@@ -148,10 +156,13 @@ CODES: tuple[Code, ...] = (
 
             input e in [0, 4] { term near = ramp_down(0, 1)  term far = ramp_up(2, 4) }         # 1 to 2
 
-        Let neighbouring terms overlap; a partition always does. """, "warning",
+        Let neighbouring terms overlap; a partition always does.
+        """,
+        "warning",
     ),
     explained(
-        "FZ419", "two partitions",
+        "FZ419",
+        "two partitions",
         """
         A partition divides the whole range, so a variable has one.
 
@@ -170,10 +181,11 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ421", "terms that do not go with the method",
+        "FZ421",
+        "terms that do not go with the method",
         """
-        A centroid is taken of shapes, a weighted average of singletons. Where `infer` does not say which, the terms of the
-        outputs decide; all outputs of a controller have to agree.
+        A centroid is taken of shapes, a weighted average of singletons. Where `infer` does not say which, the
+        terms of the outputs decide; all outputs of a controller have to agree.
 
             output u in [0, 1] { partition LOW HIGH }
             infer { defuzzify = weighted_average }              # singletons LOW HIGH
@@ -189,9 +201,11 @@ CODES: tuple[Code, ...] = (
         """,
     ),
     explained(
-        "FZ423", "a strength that cannot be",
+        "FZ423",
+        "a strength that cannot be",
         """
-        `fires at` gives the strength from which on a controller fires: above 0 and at most 1. Without it, that is 1/64.
+        `fires at` gives the strength from which on a controller fires: above 0 and at most 1. Without it, that
+        is 1/64.
         """,
     ),
     explained(
@@ -201,10 +215,11 @@ CODES: tuple[Code, ...] = (
         `otherwise` says what an output is when nothing fires. An input is what it is. """,
     ),
     explained(
-        "FZ430", "a divisor of both signs",
+        "FZ430",
+        "a divisor of both signs",
         """
-        Near 0 a quotient leaps from one end of all numbers to the other, so the range of a divisor must stay on one side
-        (0 itself may belong to it, see FZ431).
+        Near 0 a quotient leaps from one end of all numbers to the other, so the range of a divisor must stay on
+        one side (0 itself may belong to it, see FZ431).
 
             input x in [-1, 1]
             let q = distance / x
@@ -229,7 +244,8 @@ CODES: tuple[Code, ...] = (
         Whether a divisor can be 0 is judged by its interval over the declared ranges. """,
     ),
     explained(
-        "FZ432", "0/0 is not settled",
+        "FZ432",
+        "0/0 is not settled",
         """
         Both sides of a quotient can be 0 at once, which means nothing until the spec says what.
 
@@ -244,10 +260,13 @@ CODES: tuple[Code, ...] = (
         The divisor (or the dividend) cannot be 0, so the quotient is never 0/0; or the fold is a sum or count,
         which is 0 for no elements.
 
-        Drop it. """, "warning",
+        Drop it.
+        """,
+        "warning",
     ),
     explained(
-        "FZ434", "a division by 0",
+        "FZ434",
+        "a division by 0",
         """
         The divisor is always 0.
         """,
@@ -263,10 +282,12 @@ CODES: tuple[Code, ...] = (
         Leave it out, or declare a range: `output limit in [0, 5] m = 3 m`. """,
     ),
     explained(
-        "FZ442", "too many status bits",
+        "FZ442",
+        "too many status bits",
         """
-        A function returns a status with a bit for every input and list field that can be out of range, every list that can
-        be too long, every output that can saturate and every output that can fall back: 32 at most.
+        A function returns a status with a bit for every input and list field that can be out of range, every
+        list that can be too long, every output that can saturate and every output that can fall back: 32 at
+        most.
 
         Split the system, or leave out what need not be told.
         """,
