@@ -280,7 +280,7 @@ class _Frame:
         return result
 
     def store(self, array: Ints, index: Any, value: Any, mask: Bools | None) -> None:
-        if isinstance(index, int):
+        if np.ndim(index) == 0:
             array[index] = value if mask is None else np.where(mask, value, array[index])
             return
         lanes = self.lane if mask is None else self.lane[mask]
@@ -357,7 +357,7 @@ class _Frame:
                 where = self.value(index)
                 if table:
                     return self.tables[array][where]
-                return self.arrays[array][where] if isinstance(where, int) else self.arrays[array][where, self.lane]
+                return self.arrays[array][where] if np.ndim(where) == 0 else self.arrays[array][where, self.lane]
             case ReadPort(name):
                 return self.inputs[name]
             case ReadField(list_, name):
