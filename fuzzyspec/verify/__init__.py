@@ -1,0 +1,30 @@
+"""Shows that the C does what the spec says: C, integer program and exact meaning over many cases.
+
+The C is held to the integer program bit for bit, and that to the exact meaning within the certified bounds.
+"""
+
+from __future__ import annotations
+
+from fuzzyspec.verify.equivalence import DEFAULT_SEED, Options, TheirC, verify
+from fuzzyspec.verify.render import as_json, as_text
+from fuzzyspec.verify.report import Example, Failure, FunctionFound, OutputFound, Report
+from fuzzyspec.verify.scenario import ScenarioError, read_scenario
+from fuzzyspec.verify.subject import Subject, subjects
+
+__all__ = [
+    "DEFAULT_SEED",
+    "Example",
+    "Failure",
+    "FunctionFound",
+    "Options",
+    "OutputFound",
+    "Report",
+    "ScenarioError",
+    "Subject",
+    "TheirC",
+    "as_json",
+    "as_text",
+    "read_scenario",
+    "subjects",
+    "verify",
+]

@@ -1,0 +1,91 @@
+"""``fuzzyc verify``: is the C what the spec says?"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+
+def register(subparsers: Any) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "verify",
+        help="show that the C does what the spec says",
+        description="Build the C for this machine (strict warnings; again under sanitizers) and run it, the integer "
+        "program and the exact meaning over random and aimed inputs: C and program must agree bit for bit, program "
+        "and meaning within the certified bounds.",
+        epilog="exit status: 0 verified, 1 not, 2 wrong usage or no C compiler",
+    )
+    parser.add_argument("file", metavar="FILE.fz", help="the spec")
+    parser.add_argument("--c", metavar="FILE", type=Path, help="verify this C file instead of the generated one")
+    parser.add_argument("--only", metavar="NAME", action="append", default=[], help="verify this controller or system")
+    parser.add_argument("--scenario", metavar="CSV", type=Path, help="replay recorded inputs instead of making them up")
+    parser.add_argument("--raw", action="store_true", help="the scenario holds raws, not values in declared units")
+    parser.add_argument("--seed", metavar="N", type=_natural, help="seed of the random inputs")
+    parser.add_argument("--cases", metavar="N", type=_natural, help="random cases a function, besides the aimed ones")
+    parser.add_argument("--no-sanitize", action="store_true", help="leave out the build under sanitizers")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="what is printed")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Verify, print, 0 or 1."""
+    from fuzzyspec import api
+    from fuzzyspec.diagnostics.refusal import Refusal
+
+    if arguments.raw and arguments.scenario is None:
+        raise Refusal("--raw says how to read a scenario", "give --scenario too")
+    spec = api.load(arguments.file)
+    known = list(spec.functions)
+    for name in arguments.only:
+        if name not in known:
+            raise Refusal(f"{spec.name} has no controller or system `{name}`", f"it has {', '.join(known)}")
+    with _Bar() as bar:
+        report = spec.verify(
+            seed=arguments.seed,
+            cases=arguments.cases,
+            only=tuple(arguments.only),
+            c=arguments.c,
+            scenario=arguments.scenario,
+            raw=arguments.raw,
+            sanitize=not arguments.no_sanitize,
+            progress=bar.show if sys.stderr.isatty() else None,
+        )
+    from fuzzyspec.verify import as_json, as_text
+
+    if arguments.format == "json":
+        import json
+
+        print(json.dumps(as_json(report), indent=2))
+    else:
+        print(as_text(report))
+    return 0 if report.ok else 1
+
+
+def _natural(text: str) -> int:
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError("must not be negative")
+    return value
+
+
+class _Bar:
+    """One line on standard error, gone when it is done."""
+
+    def __init__(self) -> None:
+        self._shown = -1
+
+    def show(self, done: int, total: int, name: str) -> None:
+        percent = 100 if total <= 0 else min(100, 100 * done // total)
+        if percent != self._shown:
+            self._shown = percent
+            print(f"\r[{'#' * (percent // 4):25}] {percent:3} % {name:20.20}", end="", file=sys.stderr, flush=True)
+
+    def __enter__(self) -> _Bar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._shown >= 0:
+            print(f"\r{'':60}\r", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,141 @@
+"""``verify``: the C against the integer program, and the integer program against the exact meaning."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from fuzzyspec.emit.names import name_module
+from fuzzyspec.fixed.program import Program
+from fuzzyspec.native import BuildError, Death, NativeModule, NativeProcess, Toolchain, find_toolchain
+from fuzzyspec.verify.bench import Bench
+from fuzzyspec.verify.cases import DEFAULT_CASES, Batch, batches, bulk, planned
+from fuzzyspec.verify.report import Failure, Report
+from fuzzyspec.verify.runner import Runner
+from fuzzyspec.verify.subject import Subject
+
+DEFAULT_SEED = 20_240_229
+
+Progress = Callable[[int, int, str], None]
+"""Cases done, cases planned, the function's name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """``only``: functions to verify (all if empty). ``replayed``: batches to run instead of the generated ones."""
+
+    seed: int = DEFAULT_SEED
+    cases: int = DEFAULT_CASES
+    only: tuple[str, ...] = ()
+    sanitize: bool = True
+    seconds: float = 20.0
+    replayed: Mapping[str, Sequence[Batch]] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TheirC:
+    """C that a user has: files that stand in for the generated ones of the same names."""
+
+    files: Mapping[str, bytes]
+
+
+def verify(
+    program: Program,
+    subjects: Sequence[Subject],
+    files: Mapping[str, bytes],
+    options: Options = Options(),
+    theirs: TheirC | None = None,
+    progress: Progress | None = None,
+) -> Report:
+    """Verify the functions of a module. ``files`` is what was generated for it.
+
+    The generated C is loaded into this process; a user's C runs in one of its own, under a time limit, and is held to
+    the generated C over many more cases besides. Raises MissingTool where there is no C compiler.
+    """
+    toolchain = find_toolchain()
+    chosen = [s for s in subjects if not options.only or s.name in options.only]
+    report = Report(program.name, options.seed, toolchain.name, (), None, (), ())
+    tested = {**files, **theirs.files} if theirs is not None else files
+    with contextlib.ExitStack() as stack:
+        try:
+            generated = stack.enter_context(NativeModule(program, files, toolchain))
+            runner: Runner = generated
+            selftest: int | Death = generated.selftest()
+            if theirs is not None:
+                user = NativeProcess(program, tested, toolchain, warnings_are_errors=False, seconds=options.seconds)
+                runner = stack.enter_context(user)
+                selftest = user.selftest()
+        except BuildError as error:
+            return replace(report, failures=(Failure("build", None, str(error), output=error.output),))
+        sanitized, notes = _sanitizers(program, tested, toolchain, options, strict=theirs is None)
+        if sanitized is not None:
+            stack.enter_context(sanitized)
+        reference = generated if theirs is not None and options.replayed is None else None
+        benches = [Bench(subject, runner, sanitized) for subject in chosen]
+        total = sum(_planned(s, options, reference is not None) for s in chosen)
+        _run(benches, options, reference, lambda done, name: progress(done, total, name) if progress else None)
+    failures = _selftest_failures(selftest, name_module(program).selftest)
+    return replace(
+        report,
+        sanitizers=sanitized.sanitizers if sanitized is not None else (),
+        selftest=selftest if isinstance(selftest, int) else None,
+        functions=tuple(b.tally.found() for b in benches),
+        failures=(*failures, *(f for b in benches for f in b.failures)),
+        notes=notes,
+    )
+
+
+def _run(
+    benches: Sequence[Bench], options: Options, reference: Runner | None, advance: Callable[[int, str], None]
+) -> None:
+    done = 0
+    for bench in benches:
+        for batch in _batches(bench.subject, options):
+            bench.put(batch)
+            done += batch.n
+            advance(done, bench.subject.name)
+        if reference is not None:
+            for batch in bulk(bench.subject, options.seed, options.cases):
+                bench.compare(batch, reference)
+                done += batch.n
+                advance(done, bench.subject.name)
+
+
+def _batches(subject: Subject, options: Options) -> Iterable[Batch]:
+    if options.replayed is not None:
+        return options.replayed.get(subject.name, ())
+    return batches(subject, options.seed, options.cases)
+
+
+def _planned(subject: Subject, options: Options, with_bulk: bool) -> int:
+    if options.replayed is not None:
+        return sum(b.n for b in options.replayed.get(subject.name, ()))
+    return planned(subject, options.cases, with_bulk=with_bulk)
+
+
+def _sanitizers(
+    program: Program, files: Mapping[str, bytes], toolchain: Toolchain, options: Options, *, strict: bool
+) -> tuple[NativeProcess | None, tuple[str, ...]]:
+    """A sanitized build, or a note why there is none."""
+    if not options.sanitize:
+        return None, ("the sanitizers were not asked for",)
+    try:
+        process = NativeProcess(
+            program, files, toolchain, sanitize=True, warnings_are_errors=strict, seconds=options.seconds
+        )
+    except BuildError:
+        return None, (f"{toolchain.name} has no sanitizers here: undefined behaviour was not looked for",)
+    if "address" not in process.sanitizers:
+        return process, (f"{toolchain.name} has no address sanitizer here: bounds were not looked at",)
+    return process, ()
+
+
+def _selftest_failures(selftest: int | Death, name: str) -> tuple[Failure, ...]:
+    match selftest:
+        case 0:
+            return ()
+        case Death(what=what, output=output):
+            return (Failure("selftest", None, f"{name}() did not return: {what}", output=output),)
+        case _:
+            return (Failure("selftest", None, f"{name}() returned {selftest}: golden vector {selftest - 1} differs"),)
