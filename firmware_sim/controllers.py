@@ -13,11 +13,14 @@ from firmware_sim.parameters import PERIOD, Parameters
 from firmware_sim.run import Command
 from firmware_sim.sensing import Readings, Sighting
 from fuzzyspec.api import Spec
-from fuzzyspec.diagnostics.refusal import Refusal
 
 Meaning = Literal["c", "exact"]
 FIELDS = ("distance", "bearing", "speed", "radius")
 INPUTS = frozenset({"target_bearing", *(f"obstacles.{f}" for f in FIELDS)})
+
+
+class Unfit(ValueError):
+    """A spec that no robot can run; the message says what a robot wants."""
 
 
 class Brain:
@@ -28,19 +31,17 @@ class Brain:
     """
 
     def __init__(self, spec: Spec, meaning: Meaning) -> None:
-        """Raises Refusal where the spec has no system, more than one, or one with another interface."""
+        """Raises Unfit where the spec has no system, more than one, or one with another interface."""
         if len(spec.systems) != 1:
-            raise Refusal(
-                f"{spec.source.name} has {len(spec.systems)} systems", "a robot runs a spec with one, as nav.fz"
-            )
+            raise Unfit(f"{spec.source.name} has {len(spec.systems)} systems; a robot runs a spec with one, as nav.fz")
         (self._system,) = spec.systems.values()
         self._spec, self._meaning = spec, meaning
         self._variables = _variables(self._system)
         outputs = {o.name: o for o in self._system.outputs}
         if self._variables.keys() != INPUTS or not {"v", "w"} <= outputs.keys():
-            raise Refusal(
-                f"the robots cannot run {spec.source.name}",
-                f"a robot's system has the inputs {', '.join(sorted(INPUTS))} and the outputs v and w",
+            raise Unfit(
+                f"{spec.source.name} is not for robots: their system has the inputs {', '.join(sorted(INPUTS))} "
+                "and the outputs v and w"
             )
         self._behaviors = {0: ""}
         if "acting" in outputs:

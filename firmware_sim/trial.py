@@ -47,7 +47,7 @@ class Trial:
 def carry_out(
     scenario: Scenario, spec: Spec, controller: Literal["c", "exact", "both"], parameters: Parameters | None = None
 ) -> Trial:
-    """Run the scenario. Raises Refusal where the spec does not fit, MissingTool where there is no C compiler."""
+    """Run the scenario. Raises Unfit where no robot can run the spec, MissingTool where there is no C compiler."""
     world = Parameters() if parameters is None else parameters
     main = _outcome(scenario, spec, "exact" if controller == "exact" else "c", world)
     if controller != "both":

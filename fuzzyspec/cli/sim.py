@@ -7,7 +7,7 @@ import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyspec.diagnostics.refusal import MissingTool
+from fuzzyspec.diagnostics.refusal import MissingTool, Refusal
 
 if TYPE_CHECKING:
     from firmware_sim.trial import Trial
@@ -42,12 +42,16 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the scenario, print, write."""
     if arguments.output is not None and importlib.util.find_spec("matplotlib") is None:
         raise MissingTool("the pictures need matplotlib", "pip install 'fuzzyc[sim]', or leave out -o")
+    from firmware_sim.controllers import Unfit
     from firmware_sim.scenario import SCENARIOS
     from firmware_sim.trial import as_data, as_text, carry_out
     from fuzzyspec.api import load
 
     spec = load(_nav() if arguments.spec is None else arguments.spec)
-    trial = carry_out(SCENARIOS[arguments.scenario], spec, arguments.controller)
+    try:
+        trial = carry_out(SCENARIOS[arguments.scenario], spec, arguments.controller)
+    except Unfit as error:
+        raise Refusal(str(error)) from error
     files: list[str] = []
     if arguments.output is not None:
         from fuzzyspec.emit.plan import Plan, write

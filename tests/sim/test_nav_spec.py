@@ -38,14 +38,14 @@ def velocity(nav: tuple[tree.Module, Module]) -> Controller:
     return next(c for c in nav[1].controllers if c.name == "velocity")
 
 
-Cell = tuple[str, str, str, str]
+Cell = tuple[str, ...]
 
 
 def cells(velocity: Controller) -> Iterator[tuple[int, Cell]]:
     """Flat index and the names of left's, front's, right's and target's terms."""
     assert [i.name for i in velocity.inputs] == ["left", "front", "right", "target"]
     names = [[t.name for t in i.terms] for i in velocity.inputs]
-    yield from enumerate(product(names[0], names[1], names[2], names[3]))
+    yield from enumerate(product(*names))
 
 
 def started(cell: Cell) -> list[str]:
@@ -90,7 +90,7 @@ def claims(nav: tuple[tree.Module, Module], behavior: str) -> Counter[Cell]:
         for part in parts:
             assert isinstance(part, tree.Is)
             asked[part.variable.text] &= {t.text for t in part.terms}
-        counted.update(product(*asked.values()))  # type: ignore[arg-type]
+        counted.update(product(*asked.values()))
     return counted
 
 
@@ -132,13 +132,13 @@ def test_more_danger_turns_no_less_and_drives_no_faster(velocity: Controller) ->
     table: dict[Cell, tuple[int, int]] = {}
     for flat, cell in cells(velocity):
         v, w = (velocity.outputs[o].terms[velocity.cells.consequents[o][flat]].name for o in (0, 1))
-        table[cell] = speeds.index(v), (turns.index(w) + 2) % 3 + 1 if w != "Z" else 0
-    for cell, (v, w) in table.items():
+        table[cell] = (speeds.index(v), (turns.index(w) + 2) % 3 + 1 if w != "Z" else 0)
+    for cell, (speed, turn) in table.items():
         for at in range(3):
             worse = (*cell[:at], {"S": "M", "M": "B", "B": "B"}[cell[at]], *cell[at + 1 :])
-            if started(worse)[0] == started(cell)[0]:  # type: ignore[arg-type]
-                assert table[worse][0] <= v, (cell, worse)  # type: ignore[index]
-                assert table[worse][1] >= w, (cell, worse)  # type: ignore[index]
+            if started(worse)[0] == started(cell)[0]:
+                assert table[worse][0] <= speed, (cell, worse)
+                assert table[worse][1] >= turn, (cell, worse)
 
 
 def test_the_world_and_the_spec_agree(nav: tuple[tree.Module, Module]) -> None:
