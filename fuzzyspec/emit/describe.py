@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 
 from fuzzyspec.emit.numerals import exact, upper
@@ -52,17 +53,19 @@ def interval(lo: Fraction, hi: Fraction, variable: Variable) -> str:
     return quantity(f"{exact(low)} .. {exact(high)}", variable)
 
 
-def certificate_lines(certificate: Certificate, ports: tuple[Port, ...], reachable: dict[str, str]) -> list[str]:
+def certificate_lines(
+    certificate: Certificate | None, ports: tuple[Port, ...], reachable: Mapping[str, str]
+) -> list[str]:
     """A line an output, and one for each decision on a computed value."""
     lines: list[str] = []
+    found = {} if certificate is None else {o.output: o for o in certificate.outputs}
     for port in ports:
-        if port.variable is None:
-            continue
-        told = [bound(o, port.variable) for o in certificate.outputs if o.output == port.name]
+        told = [bound(found[port.name], port.variable)] if port.name in found and port.variable is not None else []
         if port.name in reachable:
-            told.append(f"reaches {reachable[port.name]}")
-        lines.append(f"{port.name}: {'; '.join(told) if told else 'no certificate'}")
-    if certificate.bands:
+            told.append(f"reaches {reachable[port.name]} while it fires")
+        if told:
+            lines.append(f"{port.name}: {'; '.join(told)}")
+    if certificate is not None and certificate.bands:
         lines.append("decisions on computed values, where the exact meaning may decide otherwise only this near a tie:")
         lines.extend(f"  {band(b)}" for b in certificate.bands)
     return lines

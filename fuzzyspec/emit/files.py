@@ -10,7 +10,9 @@ from typing import Any, Protocol
 
 import jinja2
 
+from fuzzyspec.check.reachable import reach
 from fuzzyspec.diagnostics.diagnostic import Source
+from fuzzyspec.emit.describe import interval
 from fuzzyspec.emit.header import Told, sections, status_base
 from fuzzyspec.emit.layout import filled, quiet
 from fuzzyspec.emit.names import Names, name_module
@@ -19,7 +21,8 @@ from fuzzyspec.emit.selftest import selftest_file
 from fuzzyspec.emit.source import source_file
 from fuzzyspec.fixed.certificate import Certificate
 from fuzzyspec.fixed.program import Program
-from fuzzyspec.model.system import ActingOutput, Module, System
+from fuzzyspec.model.controller import Controller
+from fuzzyspec.model.system import ActingOutput, Module, System, SystemOutput
 from fuzzyspec.resources import read_text
 from fuzzyspec.version import __version__
 
@@ -62,7 +65,8 @@ def emit(module: Module, lowered: Lowered, source: Source, options: object = Non
         "table_macro": f"{names.macro}_TABLE",
     }
     told = {
-        f.name: Told(lowered.certificates.get(f.name), {}, _acting(module, f.name, names)) for f in program.functions
+        f.name: Told(lowered.certificates.get(f.name), _reachable(module, f.name), _acting(module, f.name, names))
+        for f in program.functions
     }
     environment = _environment()
 
@@ -102,6 +106,27 @@ def describe_options(options: object) -> str:
 
 def _shallow(data: Any) -> dict[str, Any]:
     return {f.name: getattr(data, f.name) for f in fields(data)}
+
+
+def _reachable(module: Module, function: str) -> dict[str, str]:
+    """What each output can reach; of a system, those that hand on a controller's output."""
+    controllers = {c.name: c for c in module.controllers}
+    if function in controllers:
+        return {o.name: _reach(controllers[function], k) for k, o in enumerate(controllers[function].outputs)}
+    found: dict[str, str] = {}
+    for system in module.systems:
+        calls = {c.id: c.controller for c in system.calls}
+        for output in system.outputs if system.name == function else ():
+            if isinstance(output, SystemOutput) and output.bare is not None:
+                controller = calls[output.bare[0]]
+                index = [o.name for o in controller.outputs].index(output.bare[1])
+                found[output.name] = _reach(controller, index)
+    return found
+
+
+def _reach(controller: Controller, index: int) -> str:
+    found = reach(controller, index)
+    return interval(found.lo, found.hi, controller.outputs[index].variable)
 
 
 def _acting(module: Module, function: str, names: Names) -> dict[str, str]:

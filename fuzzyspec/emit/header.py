@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from fuzzyspec.emit.conversion import conversions
+from fuzzyspec.emit.conversion import conversion
 from fuzzyspec.emit.ctypes import count_ctype, signed, spelled
 from fuzzyspec.emit.describe import certificate_lines, signal
 from fuzzyspec.emit.layout import COLUMNS, INDENT, block_comment, comment
@@ -154,13 +154,15 @@ def _conversions(function: Function, own: FunctionNames, macros: Scope) -> list[
     lines: list[str] = []
     seen: set[str] = set()
     for name, port in _measured(function):
-        if port.variable is None or name in seen:
-            continue
-        seen.add(name)
-        for found in conversions(port.variable, port.ctype):
-            macro = macros.claim(f"{own.limits[name]}_{found.suffix}")
-            lines += _commented([(f"#define {macro}({found.parameter}) {found.body}", found.note)])
-    return ["/* Rounded to nearest; constants where the argument is one. */", *lines] if lines else []
+        found = conversion(port.variable, port.ctype) if port.variable is not None and name not in seen else None
+        if found is not None:
+            seen.add(name)
+            stem = own.limits[name]
+            lines += comment(f"{name}: x in {found.words}, {found.lo} .. {found.hi}")
+            lines.append(f"#define {macros.claim(f'{stem}_FROM_{found.name}')}(x) {found.from_body}")
+            lines.append(f"#define {macros.claim(f'{stem}_TO_{found.name}')}(raw) {found.to_body}")
+    head = "/* Conversions on integers, rounded to nearest; x may be evaluated more than once. */"
+    return [head, *lines] if lines else []
 
 
 def _measured(function: Function) -> list[tuple[str, Port]]:
@@ -217,8 +219,7 @@ def _prototypes(function: Function, names: Names, told: Told) -> list[Prototype]
         found.append(Prototype(tuple(title), (f"void {own.init}({own.state_t} *state);",)))
     ports = function.outputs
     lines = [f"One {'step of system' if function.kind == 'system' else 'call of controller'} {function.name}."]
-    if told.certificate is not None:
-        lines += certificate_lines(told.certificate, ports, dict(told.reachable))
+    lines += certificate_lines(told.certificate, ports, told.reachable)
     found.append(Prototype(tuple(block_comment(lines)), tuple(declaration(prototype(function, names) + ";"))))
     return found
 

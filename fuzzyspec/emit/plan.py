@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import os
 import tempfile
@@ -34,19 +35,29 @@ def write(plan: Plan, directory: str | os.PathLike[str]) -> list[str]:
     """Write every file or none, and give the names written.
 
     All are first written beside their places and only then renamed over them, so that a full disk or a refusal leaves
-    the old files as they were. Raises OSError.
+    the old files as they were; where a rename fails, those before it are taken back. Raises OSError, which names the
+    file or the folder that is at fault.
     """
     folder = Path(directory)
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, "is a file, not a folder", str(folder))
     folder.mkdir(parents=True, exist_ok=True)
     for name in plan.files:
         if (folder / name).is_dir():
-            raise IsADirectoryError(21, "is a folder, but a file is to be written there", str(folder / name))
+            raise IsADirectoryError(errno.EISDIR, "is a folder in the place of a file", str(folder / name))
     beside: list[tuple[str, Path]] = []
+    replaced: list[tuple[Path, bytes | None]] = []
     try:
         for name, content in plan.files.items():
-            beside.append((_written_beside(folder, name, content), folder / name))
+            beside.append((_written_beside(folder / name, content), folder / name))
         for temporary, place in beside:
+            before = _content(place)
             os.replace(temporary, place)
+            replaced.append((place, before))
+    except BaseException:
+        for place, before in replaced:
+            _restore(place, before)
+        raise
     finally:
         for temporary, _ in beside:
             with contextlib.suppress(FileNotFoundError):
@@ -59,17 +70,29 @@ def stale(plan: Plan, directory: str | os.PathLike[str]) -> list[str]:
     return [name for name, content in plan.files.items() if _content(Path(directory) / name) != content]
 
 
-def _written_beside(folder: Path, name: str, content: bytes) -> str:
-    handle, temporary = tempfile.mkstemp(prefix=f".{name}.", suffix=".new", dir=folder)
+def _written_beside(place: Path, content: bytes) -> str:
+    """Write to a new file in the same folder; its path. An OSError names ``place``, the file that the user knows."""
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.chmod(temporary, _mode(folder / name))
-    except BaseException:
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(temporary)
-        raise
+        handle, temporary = tempfile.mkstemp(prefix=f".{place.name}.", suffix=".new", dir=place.parent)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+            os.chmod(temporary, _mode(place))
+        except BaseException:
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(temporary)
+            raise
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(place)) from error
     return temporary
+
+
+def _restore(place: Path, content: bytes | None) -> None:
+    with contextlib.suppress(OSError):
+        if content is None:
+            place.unlink()
+        else:
+            place.write_bytes(content)
 
 
 def _mode(place: Path) -> int:

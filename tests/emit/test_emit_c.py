@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from emit_holding import HOLDING
 from emit_random import list_program, scalar_program
 
 from fuzzyspec.diagnostics.diagnostic import Source
@@ -124,8 +125,57 @@ def test_lists_are_read_to_their_bound(capacity: int) -> None:
         np.testing.assert_array_equal(got.outputs[name], column)
 
 
+def test_state_passes_through_calls() -> None:
+    """A nested state is read, kept and handed on as in the model, and the caller repeats the callee's bit."""
+    inputs = cases(HOLDING.function("main"), 500)
+    state = {"new.duty": np.arange(500) % 201, "other.duty": np.arange(500) // 3}
+    wanted = run(HOLDING, "main", inputs, state)
+    with NativeModule(HOLDING, plan_of(HOLDING).files) as native:
+        got = native.run("main", inputs, state)
+        first = native.run("main", {"a": [-32768]})
+        assert native.selftest() == 0
+    np.testing.assert_array_equal(got.outputs["total"], wanted.outputs["total"])
+    np.testing.assert_array_equal(got.status, wanted.status)
+    for key, column in wanted.state.items():
+        np.testing.assert_array_equal(got.state[key], column)
+    assert set(got.status) == {0, 1}
+    assert first.outputs["total"][0] == 9 + 5
+
+
+def test_names_that_c_keeps_are_moved_aside() -> None:
+    """A controller called step, an input called class and a call called in get names that compile."""
+    plan = plan_of(HOLDING)
+    header = plan.files["hold.h"].decode()
+    assert "hold_status_t hold_step(hold_state_t *state, const hold_input_t *in, hold_output_t *out);" in header
+    assert "hold_step_(hold_step_state_t *state," in header
+    assert "int16_t class_;" in header
+
+
+def test_only_what_is_used_is_printed() -> None:
+    """Locals that only records read are pruned, kernels that nothing calls are left out."""
+    source = plan_of(HOLDING).files["hold.c"].decode()
+    assert "idle" not in source
+    assert "hold_quotient" not in source and "hold_mul_high" not in source
+    assert "hold_quotient" in plan_of(scalar_program(0)).files["rnd.c"].decode().replace("rnd_", "hold_")
+
+
+@pytest.mark.parametrize("change", ["table", "comparison", "constant"])
+def test_the_selftest_finds_an_edit(change: str) -> None:
+    """An entry, a comparison or a constant changed in the C makes the self-test name a vector."""
+    files = dict(plan_of(HOLDING).files)
+    old, new = {
+        "table": (b"77, 100", b"78, 100"),
+        "comparison": (b"value >= 0", b"value > 0"),
+        "constant": (b"32768", b"40000"),
+    }[change]
+    assert old in files["hold.c"]
+    files["hold.c"] = files["hold.c"].replace(old, new)
+    with NativeModule(HOLDING, files) as native:
+        assert 1 <= native.selftest() <= 64
+
+
 @pytest.mark.parametrize("build", BUILDS)
-@pytest.mark.parametrize("program", [scalar_program(3), list_program(5)], ids=["scalars", "lists"])
+@pytest.mark.parametrize("program", [scalar_program(3), list_program(5), HOLDING], ids=["scalars", "lists", "holding"])
 def test_no_compiler_says_a_word(build: str, program: Program, tmp_path: Path) -> None:
     """C99 and C++, int of 16 and of 32 bits: clean under every warning that we promise, and some more."""
     command = BUILDS[build]

@@ -1,0 +1,141 @@
+"""``fuzzyc compile``: a spec to C files, or ``--check`` that the files are what the spec gives."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fuzzyspec.api import Spec
+    from fuzzyspec.emit import Plan
+    from fuzzyspec.fixed.certificate import OutputBound
+    from fuzzyspec.lower import Lowered, Options
+    from fuzzyspec.model.variable import Variable
+
+
+def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``fuzzyc compile``."""
+    parser = subparsers.add_parser(
+        "compile",
+        help="write the C of a spec",
+        description="Compile a spec to <module>.h, <module>.c and <module>_selftest.c, all of them or none.",
+    )
+    parser.add_argument("file", metavar="FILE.fz", help="the spec")
+    parser.add_argument("-o", dest="directory", metavar="DIR", default=".", help="where to write (default: here)")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit status 1 where a file is stale")
+    parser.add_argument(
+        "--bounds",
+        choices=("quick", "thorough"),
+        default="quick",
+        help="how hard to work for the certified errors (default: quick)",
+    )
+    parser.add_argument("--format", choices=("text", "json"), default="text")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compile; 0, or 1 where the spec is wrong or, with ``--check``, a file is stale."""
+    from fuzzyspec.api import load
+    from fuzzyspec.cli import terminal
+    from fuzzyspec.diagnostics.diagnostic import SpecError
+    from fuzzyspec.emit import emit, stale, write
+    from fuzzyspec.lower import Options
+
+    as_json = arguments.format == "json"
+    options = Options(bounds=arguments.bounds)
+    try:
+        spec = load(arguments.file)
+        lowered = _lowered(spec, options)
+    except SpecError as error:
+        if as_json:
+            _print_json({"ok": False, "diagnostics": _diagnostics(error)})
+            return 1
+        raise
+    if not as_json:
+        terminal.print_diagnostics(spec.warnings, spec.source)
+    plan = emit(spec.module, lowered, spec.source, options)
+    old = stale(plan, arguments.directory) if arguments.check else []
+    if not arguments.check:
+        write(plan, arguments.directory)
+    if as_json:
+        _print_json(_as_data(spec, lowered, plan, arguments.directory, old))
+    elif arguments.check:
+        for name in old:
+            terminal.complain(f"{Path(arguments.directory, name)} is stale: compile {arguments.file} again")
+    else:
+        for name in plan.files:
+            print(f"wrote {Path(arguments.directory, name)}")
+        _print_certificates(lowered)
+    return 1 if old else 0
+
+
+def _lowered(spec: Spec, options: Options) -> Lowered:
+    from fuzzyspec.diagnostics.diagnostic import SpecError
+    from fuzzyspec.lower import LoweringError, lower
+
+    try:
+        return lower(spec.module, options)
+    except LoweringError as error:
+        raise SpecError(spec.source, error.diagnostics) from error
+
+
+def _print_certificates(lowered: Lowered) -> None:
+    """A line an output: the certified error in its unit and of its range, or why there is none."""
+    rows = [("output", "certified error", "% of range", "")]
+    for function in lowered.program.functions:
+        for port in function.outputs:
+            if port.variable is not None:
+                found = lowered.certificates[function.name].output(port.name)
+                rows.append((f"{function.name}.{port.name}", *_told(found, port.variable)))
+    widths = [max(len(row[i]) for row in rows) for i in range(3)]
+    print()
+    for row in rows:
+        print("  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[3]]).rstrip())
+
+
+def _told(found: OutputBound, variable: Variable) -> tuple[str, str, str]:
+    from fuzzyspec.emit.numerals import upper
+
+    if found.error is None:
+        return "none", "", found.reason
+    error = f"{upper(found.error)} {variable.unit.symbol}".rstrip()
+    return error, upper(found.percent_of_range) if found.percent_of_range is not None else "", ""
+
+
+def _as_data(spec: Spec, lowered: Lowered, plan: Plan, directory: str, old: list[str]) -> dict[str, object]:
+    from fuzzyspec.diagnostics.render import as_json
+
+    def outputs(function: str) -> list[dict[str, object]]:
+        return [
+            {
+                "output": o.output,
+                "error": None if o.error is None else str(o.error),
+                "percent_of_range": None if o.percent_of_range is None else str(o.percent_of_range),
+                "reason": o.reason,
+            }
+            for o in lowered.certificates[function].outputs
+        ]
+
+    return {
+        "ok": not old,
+        "directory": directory,
+        "files": list(plan.files),
+        "stale": old,
+        "sha256": plan.digest,
+        "certified": {f.name: outputs(f.name) for f in lowered.program.functions},
+        "diagnostics": as_json(spec.warnings, spec.source),
+    }
+
+
+def _diagnostics(error: Exception) -> object:
+    from fuzzyspec.diagnostics.diagnostic import SpecError
+    from fuzzyspec.diagnostics.render import as_json
+
+    assert isinstance(error, SpecError)
+    return as_json(error.diagnostics, error.source)
+
+
+def _print_json(data: object) -> None:
+    print(json.dumps(data, indent=2))
