@@ -300,4 +300,23 @@ CODES: tuple[Code, ...] = (
 
         Measure in a unit that suits the quantity: 3 ms instead of 0.003 s. """,
     ),
+    explained(
+        "FZ450",
+        "arithmetic beyond 32 bits",
+        """
+        The generated C has no 64-bit type. Every intermediate value is followed through range analysis, and one of
+        them cannot be held in 32 bits, even after rounding to a coarser step.
+
+        Narrow the ranges of the inputs, give them coarser raws (`raw int16 step 0.1`), or put a `clamp` on what
+        cannot be that large. """,
+    ),
+    explained(
+        "FZ451",
+        "too many terms overlap in an output",
+        """
+        The centroid of overlapping terms is taken in closed form, set by set: pairs that overlap, triples that
+        overlap, and so on. One output may have 64 such sets.
+
+        Let fewer terms of the output overlap at one place. In a partition only neighbours do. """,
+    ),
 )

@@ -90,7 +90,7 @@ def membership(shape: Shape, lo: Fraction, hi: Fraction) -> Membership:
 
 
 def level_sets(m: Membership, lo: float, hi: float) -> tuple[Floats, Floats]:
-    """Ends of the smallest interval that holds ``{t in [lo, hi]: mu(t) >= j / GRID}``, for j = 0 .. GRID.
+    """Ends of the smallest interval that holds ``{t in [lo, hi]: mu(t) > j / GRID}``, for j = 0 .. GRID.
 
     An empty set is the interval (0, 0); widened by SLACK otherwise.
     """
@@ -106,9 +106,9 @@ def level_sets(m: Membership, lo: float, hi: float) -> tuple[Floats, Floats]:
         height = j / GRID - SLACK
         ends: list[float] = []
         for a, b, ya, yb in segments:
-            if max(ya, yb) < height:
+            if max(ya, yb) < max(height, SLACK):
                 continue
-            if min(ya, yb) >= height:
+            if min(ya, yb) >= max(height, SLACK):
                 ends += [a, b]
                 continue
             cross = a + (b - a) * (height - ya) / (yb - ya)

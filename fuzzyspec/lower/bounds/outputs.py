@@ -49,7 +49,7 @@ class CentroidBound:
 
     def parts(self, levels: Band) -> Parts:
         lo = np.maximum(levels.lo - levels.off, 0.0)
-        hi = np.minimum(levels.hi + levels.off, 1.0) * (levels.hi > 0)
+        hi: Floats = np.where(levels.hi > 0, np.minimum(levels.hi + levels.off, 1.0), 0.0)
         middle = np.round((levels.lo + levels.hi) / 2 * DEGREE_ONE) / DEGREE_ONE
         half = np.maximum(levels.hi - middle, middle - levels.lo)
         area_lo = np.maximum(self.area(lo), self._fired_area(hi)) - FLOAT_SLACK
@@ -66,6 +66,9 @@ class CentroidBound:
         with np.errstate(divide="ignore", invalid="ignore"):
             degrees = np.where(safe > 0, moved / safe, np.inf)
             rounded = np.where(safe > 0, rounding / safe, np.inf)
+        # Where no term can reach the threshold the output falls back, and no mean is taken.
+        silent = (hi < self.fires_at - FLOAT_SLACK).all(axis=1)
+        degrees, rounded = np.where(silent, 0.0, degrees), np.where(silent, 0.0, rounded)
         return Parts(degrees, rounded, self.tail)
 
     def area(self, levels: Floats) -> Floats:
@@ -173,7 +176,8 @@ class _Set:
 def _grid(c: Floats, up: bool) -> Ints:
     """Index of a clip height in the tables, rounded outwards."""
     at = np.clip(c, 0.0, 1.0) * DEGREE_ONE
-    return (np.ceil(at) if up else np.floor(at)).astype(np.int64)
+    index: Ints = (np.ceil(at) if up else np.floor(at)).astype(np.int64)
+    return index
 
 
 def _range_max(table: list[Floats], first: Ints, last: Ints) -> Floats:

@@ -147,8 +147,8 @@ class Strengths:
     def both(self, parts: list[Band]) -> Band:
         """``and`` of several."""
         if self.controller.infer.and_ == "min":
-            lo = np.minimum.reduce([b.lo for b in parts])
-            hi = np.minimum.reduce([b.hi for b in parts])
+            lo: Floats = np.minimum.reduce([b.lo for b in parts])
+            hi: Floats = np.minimum.reduce([b.hi for b in parts])
             widest = np.maximum.reduce([b.off for b in parts])
             off = np.maximum.reduce([np.where(b.lo <= hi + 2 * widest, b.off, 0.0) for b in parts])
             return Band(lo, hi, off)
@@ -161,18 +161,16 @@ class Strengths:
     def either(self, parts: list[Band]) -> Band:
         """``or`` of several."""
         if self.controller.infer.or_ == "max":
-            lo = np.maximum.reduce([b.lo for b in parts])
-            hi = np.maximum.reduce([b.hi for b in parts])
+            lo: Floats = np.maximum.reduce([b.lo for b in parts])
+            hi: Floats = np.maximum.reduce([b.hi for b in parts])
             widest = np.maximum.reduce([b.off for b in parts])
             off = np.maximum.reduce([np.where(b.hi >= lo - 2 * widest, b.off, 0.0) for b in parts])
             return Band(lo, hi, off)
         result = parts[0]
         for b in parts[1:]:
-            # 1 - (1 - a)(1 - b)
-            lo = 1 - (1 - result.lo) * (1 - b.lo)
-            hi = 1 - (1 - result.hi) * (1 - b.hi)
-            off = result.off + b.off
-            result = Band(lo, hi, off)
+            # a + b - a b grows with both.
+            lo_, hi_ = (result.lo + b.lo - result.lo * b.lo, result.hi + b.hi - result.hi * b.hi)
+            result = Band(lo_, hi_, result.off + b.off)
         return result
 
     def _sentence(self, node: Antecedent, degrees: list[list[Band]]) -> Band:

@@ -1,0 +1,149 @@
+"""The whole file: controllers first, then the systems that call them, each with its certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
+from fuzzyspec.fixed.build import RangeError
+from fuzzyspec.fixed.certificate import Band, Certificate, OutputBound
+from fuzzyspec.fixed.program import Function, Program
+from fuzzyspec.lower.bounds import Effort, bound_controller
+from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
+from fuzzyspec.lower.controller import ControllerNumbers, lower_controller
+from fuzzyspec.lower.system import CallBounds, SystemNumbers, lower_system
+from fuzzyspec.model.controller import Controller
+from fuzzyspec.model.system import Module, System
+from fuzzyspec.model.variable import Variable
+
+
+@dataclass(frozen=True)
+class Options:
+    """``bounds``: ``quick`` derives in well under a second, ``thorough`` looks at fifty times as many boxes."""
+
+    bounds: Literal["quick", "thorough"] = "quick"
+
+
+EFFORTS: Mapping[str, tuple[Effort, Effort]] = {
+    "quick": (Effort(60_000), Effort(16_000)),
+    "thorough": (Effort(3_000_000, cells=65536), Effort(1_000_000, cells=65536)),
+}
+"""For a controller alone, and for each call of one in a system."""
+
+
+@dataclass(frozen=True)
+class Lowered:
+    """``certificates`` by function name."""
+
+    program: Program
+    certificates: Mapping[str, Certificate]
+
+
+class LoweringError(Exception):
+    """The spec is sound, but its numbers do not go into 32-bit integers; ``diagnostics`` say where."""
+
+    def __init__(self, diagnostics: tuple[Diagnostic, ...]) -> None:
+        self.diagnostics = diagnostics
+        super().__init__("; ".join(d.message for d in diagnostics))
+
+
+def lower(module: Module, options: Options | None = None) -> Lowered:
+    """Lower a checked module. Raises LoweringError with every function that does not fit."""
+    chosen = Options() if options is None else options
+    alone, called = EFFORTS[chosen.bounds]
+    functions: dict[str, Function] = {}
+    numbers: dict[str, ControllerNumbers] = {}
+    certificates: dict[str, Certificate] = {}
+    problems: list[Diagnostic] = []
+    for controller in module.controllers:
+        try:
+            function, found = lower_controller(controller)
+        except (RangeError, TooManySets) as error:
+            problems.append(_diagnostic(controller, error))
+            continue
+        functions[controller.name] = function
+        numbers[controller.name] = found
+        certificates[controller.name] = _of_controller(controller, found, alone, chosen)
+    cache: dict[tuple[str, tuple[Fraction, ...]], CallBounds] = {}
+
+    def certify(controller: Controller, errors: tuple[Fraction, ...]) -> CallBounds:
+        key = (controller.name, errors)
+        if key not in cache:
+            bounds = bound_controller(numbers[controller.name], errors, called)
+            cache[key] = CallBounds(bounds.errors, bounds.reasons, bounds.bands)
+        return cache[key]
+
+    for system in module.systems:
+        if any(c.controller.name not in functions for c in system.calls):
+            continue
+        try:
+            function, system_numbers = lower_system(system, functions, certify)
+        except RangeError as error:
+            problems.append(_diagnostic(system, error))
+            continue
+        functions[system.name] = function
+        certificates[system.name] = _of_system(system, function, system_numbers, chosen)
+    if problems:
+        raise LoweringError(tuple(problems))
+    return Lowered(Program(module.name, tuple(functions.values())), certificates)
+
+
+def _of_controller(
+    controller: Controller, numbers: ControllerNumbers, effort: Effort, options: Options
+) -> Certificate:
+    bounds = bound_controller(numbers, (Fraction(0),) * len(controller.inputs), effort)
+    outputs = tuple(
+        _output(o.name, o.variable, bounds.errors[o.name], bounds.reasons[o.name]) for o in controller.outputs
+    )
+    return Certificate(controller.name, options.bounds, outputs, bounds.bands)
+
+
+def _of_system(system: System, function: Function, numbers: SystemNumbers, options: Options) -> Certificate:
+    outputs = tuple(
+        _output(p.name, p.variable, numbers.errors[p.name], numbers.reasons[p.name])
+        for p in function.outputs
+        if p.variable is not None
+    )
+    bands = {b.key: b for b in numbers.bands}
+    for b in numbers.bands:
+        bands[b.key] = max(bands[b.key], b, key=_width)
+    return Certificate(system.name, options.bounds, outputs, tuple(bands.values()))
+
+
+def _width(band: Band) -> Fraction:
+    return band.width
+
+
+def _output(name: str, variable: Variable, error: Fraction, reason: str) -> OutputBound:
+    """A bound as wide as the range says nothing, so then there is none, and the reason stands."""
+    span = variable.hi - variable.lo
+    if error >= span:
+        return OutputBound(name, None, None, reason)
+    rounded = _upwards(error, span)
+    return OutputBound(name, rounded, rounded / span * 100, reason)
+
+
+def _upwards(error: Fraction, span: Fraction) -> Fraction:
+    """The error rounded up to a decimal with three digits of the range's percentage that matter."""
+    unit = span / 10**9
+    return -(-error // unit) * unit
+
+
+def _diagnostic(item: Controller | System, error: Exception) -> Diagnostic:
+    span: Span = item.span
+    if isinstance(error, TooManySets):
+        return Diagnostic(
+            "FZ451",
+            f"more than {MAX_SETS} sets of terms overlap in an output of `{item.name}`",
+            span,
+            help="let fewer terms of one output overlap at one place; a partition has two",
+        )
+    return Diagnostic(
+        "FZ450",
+        f"the arithmetic of `{item.name}` does not fit 32-bit integers: {error}",
+        span,
+        help="narrow the ranges, or take coarser raws with `step`",
+    )
