@@ -99,7 +99,7 @@ def _priority(decl: tree.BehaviorDecl, names: RuleNames, numbers: Numbers) -> in
 
 def _claim(rule: tree.Rule, owner: int, names: RuleNames) -> Claim | None:
     if rule.weight is not None:
-        names.error(
+        names.tell(
             Diagnostic(
                 "FZ309",
                 "a rule inside a behavior has no weight",

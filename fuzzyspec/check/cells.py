@@ -171,7 +171,7 @@ def _report_meeting(started: dict[int, Bools], winner: Ints, behaviors: tuple[Be
             met = started[code] & started[other_code] & (winner >= _first_of_priority(behavior, behaviors))
             if met.any():
                 cell = describe_cell(_first(met), names.inputs)
-                names.error(
+                names.tell(
                     Diagnostic(
                         "FZ304",
                         f"behaviors `{other.name}` and `{behavior.name}` have one priority and meet in "
@@ -211,7 +211,7 @@ def _report_clash(
     said = variable.terms[dict(claim.sets)[output]].name
     before = variable.terms[dict(other.sets)[output]].name
     if claim.table is not None:
-        names.error(
+        names.tell(
             Diagnostic(
                 "FZ305",
                 f"two tables set output `{variable.name}` in one cell",
@@ -223,7 +223,7 @@ def _report_clash(
             )
         )
         return
-    names.error(
+    names.tell(
         Diagnostic(
             "FZ303",
             f"two rules disagree on output `{variable.name}`",
@@ -239,7 +239,7 @@ def _report_clash(
 def _report_nothing_new(claims: tuple[Claim, ...], index: int, earlier: Counter[int], names: RuleNames) -> None:
     other = claims[min(earlier)]
     same = len(earlier) == 1 and other.box == claims[index].box
-    names.warn(
+    names.tell(
         Diagnostic(
             "FZ307",
             "this rule is written twice" if same else "this rule says nothing new",
@@ -273,19 +273,21 @@ def _report_dead(
         if len(dead) == len(own):
             takers = Counter(winner[started[behavior.code]].tolist())
             what = "the table" if behavior.priority is None else f"behavior `{behavior.name}`"
-            _warn_dead(f"{what} never wins a cell", behavior.span, takers, behaviors, names)
+            _warn_dead(f"{what} never wins a cell", behavior.span, behavior, takers, behaviors, names)
         elif behavior.priority is not None:
             # A table below behaviors is there to fill what they leave: its lost entries are no news.
             for i in dead:
                 takers = Counter(winner[regions[i]].reshape(-1).tolist())
-                _warn_dead("this rule never wins a cell", claims[i].span, takers, behaviors, names)
+                _warn_dead("this rule never wins a cell", claims[i].span, behavior, takers, behaviors, names)
 
 
 def _warn_dead(
-    message: str, span: Span, takers: Counter[int], behaviors: tuple[Behavior, ...], names: RuleNames
+    message: str, span: Span, own: Behavior, takers: Counter[int], behaviors: tuple[Behavior, ...], names: RuleNames
 ) -> None:
     beaten = [(behaviors[code - 1], count) for code, count in sorted(takers.items())]
-    names.warn(
+    if any(b.priority == own.priority for b, _ in beaten):
+        return  # they meet with one priority, which is reported as such
+    names.tell(
         Diagnostic(
             "FZ306",
             message,

@@ -140,7 +140,7 @@ def _silent(output: Output, low: Floor, inputs: tuple[Input, ...], fires_at: Fra
             "FZ324",
             f"nothing fires for output `{output.name}` at some inputs",
             output.variable.span,
-            label=f"{said} at {where}",
+            label=f"{said} at the input below",
             labels=tuple(Label(v.variable.span, "no term of this input covers that value") for v in idle),
             help=f"cover it with a rule, or give `{output.name}` an `otherwise`",
             notes=(f"an output fires where the strongest of its rules reaches {fires_at} (`fires at`)",),

@@ -61,7 +61,7 @@ def _report_unclaimed(nobody: Bools, outputs: list[int], names: RuleNames, span:
             "FZ301",
             f"{count} of {_cells(nobody.size)} {'is' if count == 1 else 'are'} claimed by no rule",
             span,
-            label=f"what {'is' if len(outputs) == 1 else 'are'} {quoted} there?",
+            label=f"{quoted} {'is' if len(outputs) == 1 else 'are'} undefined there",
             help=f"add a rule such as `if {describe_box(blocks[0], names.inputs)} then ..`, "
             f"or give {quoted} an `otherwise`",
             notes=_block_notes(blocks, more, names.inputs),
@@ -100,7 +100,7 @@ def blocks_of(mask: Bools) -> Iterator[Box]:
     left = mask.copy()
     while left.any():
         seed = [int(k) for k in np.unravel_index(int(np.argmax(left)), left.shape)]
-        box = [(k,) for k in seed]
+        box: list[tuple[int, ...]] = [(k,) for k in seed]
         for axis in range(left.ndim):
             grown = list(box)
             grown[axis] = tuple(range(left.shape[axis]))

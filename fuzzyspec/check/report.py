@@ -16,7 +16,10 @@ from fuzzyspec.model.system import ActingOutput, ListInput, Module, System
 from fuzzyspec.model.variable import Variable
 
 Bands = Mapping[str, Mapping[str, Fraction]]
-"""Function name and decision key to the width within which the two meanings may decide differently."""
+"""Function name and decision key to the width within which the two meanings may decide differently.
+
+A key that a function does not list is decided alike by both.
+"""
 
 
 @dataclass(frozen=True)
@@ -173,7 +176,7 @@ def _controller_json(report: ControllerReport, bands: Bands) -> dict[str, object
             for b in report.behaviors
         ],
         "outputs": [_output_json(o) for o in report.outputs],
-        "decisions": _decisions_json(report.decisions, bands.get(controller.name, {})),
+        "decisions": _decisions_json(report.decisions, bands.get(controller.name)),
     }
 
 
@@ -226,13 +229,13 @@ def _system_json(report: SystemReport, bands: Bands) -> dict[str, object]:
         "inputs": inputs,
         "outputs": outputs,
         "calls": [{"id": c.id, "controller": c.controller.name} for c in system.calls],
-        "decisions": _decisions_json(report.decisions, bands.get(system.name, {})),
+        "decisions": _decisions_json(report.decisions, bands.get(system.name)),
     }
 
 
-def _decisions_json(decisions: tuple[Decision, ...], bands: Mapping[str, Fraction]) -> list[dict[str, object]]:
+def _decisions_json(decisions: tuple[Decision, ...], bands: Mapping[str, Fraction] | None) -> list[dict[str, object]]:
     return [
-        {"key": d.key, "kind": d.kind, "what": d.what, "band": float(bands[d.key]) if d.key in bands else None}
+        {"key": d.key, "kind": d.kind, "what": d.what, "band": None if bands is None else float(bands.get(d.key, 0))}
         for d in decisions
     ]
 

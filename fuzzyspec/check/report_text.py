@@ -22,12 +22,12 @@ LABEL = 11
 def report_text(report: ModuleReport) -> str:
     """The whole report; ends without a newline."""
     sections = [f"module {report.name}"]
-    sections += ["\n".join(_controller(c, report.bands.get(c.controller.name, {}))) for c in report.controllers]
-    sections += ["\n".join(_system(s, report.bands.get(s.system.name, {}))) for s in report.systems]
+    sections += ["\n".join(_controller(c, report.bands.get(c.controller.name))) for c in report.controllers]
+    sections += ["\n".join(_system(s, report.bands.get(s.system.name))) for s in report.systems]
     return "\n\n".join(sections)
 
 
-def _controller(report: ControllerReport, bands: Mapping[str, Fraction]) -> list[str]:
+def _controller(report: ControllerReport, bands: Mapping[str, Fraction] | None) -> list[str]:
     controller, infer = report.controller, report.infer
     lines = [f"controller {controller.name}"]
     lines += [_line(label, row) for label, row in _labelled("inputs", _inputs(controller.inputs))]
@@ -129,7 +129,7 @@ def _reach(report: OutputReport) -> str:
     return f"within {outer}; {seen} attained"
 
 
-def _system(report: SystemReport, bands: Mapping[str, Fraction]) -> list[str]:
+def _system(report: SystemReport, bands: Mapping[str, Fraction] | None) -> list[str]:
     system = report.system
     lines = [f"system {system.name}"]
     rows: list[str] = []
@@ -153,11 +153,16 @@ def _system(report: SystemReport, bands: Mapping[str, Fraction]) -> list[str]:
     return lines + _decisions(report.decisions, bands)
 
 
-def _decisions(decisions: Sequence[Decision], bands: Mapping[str, Fraction]) -> list[str]:
+def _decisions(decisions: Sequence[Decision], bands: Mapping[str, Fraction] | None) -> list[str]:
     rows = []
     for d in decisions:
         words = {"0/0": f"0/0 in {d.what}", "comparison": d.what, "fires": d.what, "acting": d.what}[d.kind]
-        band = f", within {number(bands[d.key])}" if d.key in bands else ""
+        if bands is None:
+            band = ""
+        elif d.key in bands:
+            band = f"; the two meanings may part within {number(bands[d.key])} of a tie"
+        else:
+            band = "; both meanings agree"
         rows.append(f"{d.key}: {words}{band}")
     return [_line(label, row) for label, row in _labelled("decisions", rows)]
 

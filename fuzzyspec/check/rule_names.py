@@ -37,8 +37,8 @@ class RuleNames:
         self.broken = True
         self._report(diagnostic)
 
-    def warn(self, diagnostic: Diagnostic) -> None:
-        """Report something that leaves the rules as they are."""
+    def tell(self, diagnostic: Diagnostic) -> None:
+        """Report something that leaves the rules complete, be it an error or a warning."""
         self._report(diagnostic)
 
     def input(self, name: tree.Name) -> int | None:
@@ -100,7 +100,8 @@ class RuleNames:
             self.broken = True
             return None
         known = [t.name for t in variable.terms]
-        others = [v.name for v in (*self.inputs, *self.outputs) if name.text in [t.name for t in v.terms]]
+        everything: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
+        others = [v.name for v in everything if name.text in [t.name for t in v.terms]]
         help = did_you_mean(name.text, known) or _listed("its terms are", known)
         if others and did_you_mean(name.text, known) is None:
             help += f"; `{name.text}` is a term of {_quoted(others)}"

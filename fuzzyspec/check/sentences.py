@@ -115,7 +115,7 @@ def _report_same_conditions(rules: list[SentenceRule], names: RuleNames) -> None
                 repeats.append(earlier)
                 continue
             variable = names.outputs[output]
-            names.warn(
+            names.tell(
                 Diagnostic(
                     "FZ322",
                     f"two rules with one condition give output `{variable.name}` different terms",
@@ -127,7 +127,7 @@ def _report_same_conditions(rules: list[SentenceRule], names: RuleNames) -> None
                 )
             )
         if repeats and len(repeats) == len(rule.consequents):
-            names.warn(
+            names.tell(
                 Diagnostic(
                     "FZ307",
                     "this rule is written twice",
