@@ -64,12 +64,12 @@ class Brain:
         signals: dict[str, Any] = {"obstacles.count": np.array([count])}
         match self._meaning:
             case "c":
-                signals |= {key: _shaped(key, numbers) for key, numbers in raws.items()}
+                signals |= {key: _shaped(key, numbers, np.int64) for key, numbers in raws.items()}
                 called = self._spec.native(self._system.name, signals, state, raw=True)
                 return called.outputs, called.state
             case "exact":
                 signals |= {
-                    key: _shaped(key, [float(self._variables[key].raw.value(r)) for r in numbers])
+                    key: _shaped(key, [float(self._variables[key].raw.value(r)) for r in numbers], np.float64)
                     for key, numbers in raws.items()
                 }
                 meant = self._spec.exact(self._system.name, signals, state)
@@ -93,9 +93,9 @@ def _signals(readings: Readings) -> dict[str, list[float]]:
     return {"target_bearing": [readings.target_bearing], **columns}
 
 
-def _shaped(key: str, numbers: Sequence[float]) -> Any:
-    """One case: (1,) for a scalar, (1, M) for a list's field."""
-    return np.array([numbers]) if "." in key else np.array(numbers)
+def _shaped(key: str, numbers: Sequence[int] | Sequence[float], kind: type) -> Any:
+    """One case: (1,) for a scalar, (1, M) for a list's field, M = 0 too."""
+    return np.array([numbers] if "." in key else numbers, dtype=kind)
 
 
 def danger(spec: Spec, meaning: Meaning, sightings: Sequence[Sighting], parameters: Parameters) -> list[float]:
