@@ -89,11 +89,16 @@ _TEXTS = {"NAME": MISSING, "NUMBER": "1", "LABEL": MISSING, "UNIT": "", "COMPARE
 
 
 def opened(cell: Cell) -> list[Cell]:
-    """The brackets that are open on a stack, innermost first."""
+    """The brackets that are open on a stack, innermost first; a pair may lie there whole, until its rule is reduced."""
     found: list[Cell] = []
+    closed = 0
     at: Cell | None = cell
     while at is not None:
-        if at.symbol in CLOSERS:
+        if at.symbol in CLOSERS.values():
+            closed += 1
+        elif at.symbol in CLOSERS and closed:
+            closed -= 1
+        elif at.symbol in CLOSERS:
             found.append(at)
         at = at.below
     return found

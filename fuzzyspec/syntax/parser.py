@@ -7,6 +7,7 @@ from dataclasses import replace
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source, Span
 from fuzzyspec.syntax import layout, limits, repair, skip, tree
 from fuzzyspec.syntax.machine import Cell, advance, bottom
+from fuzzyspec.syntax.reading import stack_at
 from fuzzyspec.syntax.table import load
 from fuzzyspec.syntax.tokens import END, Token, tokenize
 
@@ -105,7 +106,7 @@ class _Reading:
             for i, token in edit.swaps.items():
                 self.tokens[i] = token
             self.tokens[edit.at : edit.at + edit.drop] = edit.insert
-            self.cell = repair.stack_at(self, edit.at)
+            self.cell = stack_at(self, edit.at)
             del self.trail[edit.at :]
             return edit.at
         self.found.append(skip.misfit(self, index))

@@ -2,43 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from fuzzyspec.diagnostics.diagnostic import Diagnostic
-from fuzzyspec.syntax import wording
-from fuzzyspec.syntax.machine import Cell, advance, advance_as, made, opened
-from fuzzyspec.syntax.repair import Reading, stack_at, unclosed, unexpected
+from fuzzyspec.syntax.findings import HOMES, unclosed, unexpected
+from fuzzyspec.syntax.machine import Cell, advance, advance_as, made, opened, viable
+from fuzzyspec.syntax.reading import BEGINS, Reading, keywords_as_names, lies_within, stack_at
 from fuzzyspec.syntax.tokens import END, Token
-
-_BEGINS = frozenset(
-    {
-        "MODULE", "CONTROLLER", "SYSTEM", "UNIT_WORD", "PARAM", "INPUT", "OUTPUT", "TABLE", "BEHAVIOR", "RULES",
-        "INFER", "FIRES", "LET", "FOR", "IF", "PARTITION", "SINGLETONS", "TERM", "OTHERWISE", "RBRACE",
-    }
-)  # fmt: skip
-"""What an item begins with, and the brace that ends a block."""
-
-_HOMES = {
-    "MODULE": "`module NAME` stands once, at the top of the file",
-    "CONTROLLER": "a controller stands at the top level, not within a block",
-    "SYSTEM": "a system stands at the top level, not within a block",
-    "UNIT_WORD": "units are declared at the top level: `unit tick = 0.012 rad`",
-    "PARAM": "parameters stand at the top level or in a system: `param T = 2 s`",
-    "INPUT": "inputs stand in a controller or a system",
-    "OUTPUT": "outputs stand in a controller or a system",
-    "TABLE": "tables stand in a controller",
-    "BEHAVIOR": "behaviors stand in a controller",
-    "RULES": "`rules { .. }` stands in a controller",
-    "INFER": "`infer { .. }` stands in a controller",
-    "FIRES": "`fires at` stands in a controller",
-    "LET": "`let` stands in a system, or in its `for each`",
-    "FOR": "`for each` stands in a system",
-    "IF": "rules stand in `rules { .. }` or in a `behavior`; within an expression a choice reads `a if TEST else b`",
-    "PARTITION": "terms stand in braces behind the range of a controller's input or output",
-    "SINGLETONS": "terms stand in braces behind the range of a controller's output",
-    "TERM": "terms stand in braces behind the range of a controller's input or output",
-    "OTHERWISE": "`otherwise` stands in the braces of a controller's output, or behind a value",
-}
 
 
 def misfit(reading: Reading, index: int) -> Diagnostic:
@@ -47,19 +15,9 @@ def misfit(reading: Reading, index: int) -> Diagnostic:
     brackets = opened(reading.cell)
     if token.kind == END and brackets:
         return unclosed(reading, brackets, index)
-    plain = unexpected(reading, index)
-    kind = reading.table.keywords.get(token.text, "")
-    if token.kind == "WORD" and kind in _HOMES and advance(reading.table, reading.cell, token) is None:
-        where = wording.wanted(reading.table, reading.cell)
-        return replace(
-            plain,
-            code="FZ116",
-            span=token.span,
-            message=f"`{token.text}` does not belong here: expected {where}",
-            label="",
-            help=_HOMES[kind],
-        )
-    return plain
+    for j in keywords_as_names(reading, index):
+        return unexpected(reading, j)
+    return unexpected(reading, index)
 
 
 def to_next(reading: Reading, index: int) -> tuple[int, Cell]:
@@ -84,23 +42,40 @@ def to_next(reading: Reading, index: int) -> tuple[int, Cell]:
             resumed = _resume(reading, cell, token, kind)
             if resumed is not None and (index > start or resumed is not cell):
                 return index, resumed
+            if depth == 0 and token.first and index > start and kind in HOMES:
+                return index, _at_items(reading, cell)
         index += 1
 
 
 def _beginning(reading: Reading, token: Token) -> str:
     """The terminal by which a token begins an item, or empty."""
     kind = reading.table.keywords.get(token.text, "") if token.kind == "WORD" else token.kind
-    return kind if kind in _BEGINS or (kind in ("LABEL", "LPAR") and token.first) else ""
+    return kind if kind in BEGINS or kind == "RBRACE" or (kind in ("LABEL", "LPAR") and token.first) else ""
 
 
 def _resume(reading: Reading, cell: Cell, token: Token, kind: str) -> Cell | None:
-    """The highest part of a stack on which a token can begin an item."""
+    """The highest part of a stack on which a token can begin an item.
+
+    A block is left only where it cannot end yet, and for a token that begins a line no deeper than the block's.
+    """
     at: Cell | None = cell
+    braces = {b for b in opened(cell) if b.symbol == "LBRACE"}
+    ends = advance(reading.table, _at_items(reading, cell), made(reading.table, "RBRACE", cell.end)) is not None
     while at is not None:
+        if at in braces and (ends or not token.first or lies_within(reading.source, token, at)):
+            return at if advance_as(reading.table, at, token, kind) is not None else None
         if advance_as(reading.table, at, token, kind) is not None and (kind != "LPAR" or at.symbol in _ROWS):
             return at
         at = at.below
     return None
+
+
+def _at_items(reading: Reading, cell: Cell) -> Cell:
+    """The highest part of a stack on which some item can begin."""
+    at = cell
+    while at.below is not None and not viable(reading.table, at) & BEGINS:
+        at = at.below
+    return at
 
 
 _ROWS = frozenset({"_rows", "columns"})

@@ -8,8 +8,8 @@ from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source, Span
 def source_from_bytes(name: str, data: bytes) -> tuple[Source, tuple[Diagnostic, ...]]:
     """The text of a file under the name it is reported by, and what was wrong with its encoding.
 
-    A byte order mark is dropped and lines end in ``\\n``, so that the same spec is the same text from any editor. Bytes that
-    are no UTF-8 become replacement characters, each told of once for a run of them; so are NUL bytes.
+    A byte order mark is dropped and lines end in ``\\n``, so that the same spec is the same text from any editor. Bytes
+    that are no UTF-8 become replacement characters, NUL bytes become spaces, and each is told of once.
     """
     data = data.removeprefix(b"\xef\xbb\xbf")
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):

@@ -10,7 +10,12 @@ def near(word: str, keywords: Iterable[str]) -> list[str]:
     if len(word) > 20:
         return []
     scored = sorted((distance(word.lower(), k), k) for k in keywords)
-    return [k for d, k in scored if d <= (0 if len(k) < 3 else 1 if len(k) < 6 else 2) or _swapped(word.lower(), k)]
+    return [k for d, k in scored if d <= (0 if len(k) < 3 else 1 if len(k) < 6 else 2) or _likely(word.lower(), k)]
+
+
+def _likely(word: str, keyword: str) -> bool:
+    """A keyword cut short, or one of two letters in the wrong order."""
+    return (len(word) > 2 and keyword.startswith(word)) or _swapped(word, keyword)
 
 
 def _swapped(word: str, keyword: str) -> bool:

@@ -32,8 +32,9 @@ _MEANT = {
 COMBINED = re.compile(r"&&|\|\||:=|<>|=<|=>|//|/\*|\*\*")
 """Marks of other languages that begin with one of ours."""
 
-_UNITS = {"µ": "u", "μ": "u", "Ω": "ohm", "℃": "degC"}
+_UNITS = {"µ": "u", "μ": "u", "Ω": "ohm", "℃": "degC", "²": "^2", "³": "^3"}
 _QUOTES = "\"'`“”„‘’‚«»"
+_POWER = re.compile(r"\^[ \t]*-?[0-9]*")
 _SPACES = re.compile(r"[^\S\n]+")
 
 
@@ -53,9 +54,13 @@ def find(text: str, at: int, after_number: bool) -> Stray:
         end = at + 1
         while end < len(text) and text[end] in _QUOTES:
             end += 1
-        return Stray(end, f"a quotation mark `{text[at]}`", "names and units are written without quotation marks")
+        if any(c in _QUOTES for c in text[text.rfind("\n", 0, at) + 1 : at]):
+            return Stray(end, "", None)
+        return Stray(end, "quotation marks have no place here", "names and units are written without quotation marks")
     if text[at] == ";":
-        return Stray(at + 1, "a semicolon", "statements need nothing between them; items of a list have commas")
+        return Stray(
+            at + 1, "a semicolon has no place here", "statements need nothing between them; items of a list have commas"
+        )
     if text.startswith("°C", at) and after_number:
         return Stray(at + 2, "`°C` is not spelt so", "write `degC`", "degC")
     for length in (2, 1):
@@ -70,8 +75,17 @@ def find(text: str, at: int, after_number: bool) -> Stray:
         return Stray(at + 1, f"a raised `{text[at]}`", f"write the power of a unit as `^{power}`")
     if text[at] == "%":
         return Stray(at + 1, "`%` without a number", "`%` is a unit (1/100), after a number or a range")
+    if text[at] == "?":
+        end = _line_end(text, at) if ":" in text[at : _line_end(text, at)] else at + 1
+        return Stray(end, "there is no `? :`", "a choice reads `a if TEST else b`")
     if text[at] == "^":
-        return Stray(at + 1, "there is no power operator `^`", "write a product: `x * x`; `^` stands in units: `m/s^2`")
+        raised = _POWER.match(text, at)
+        end = raised.end() if raised else at + 1
+        return Stray(
+            end,
+            "there is no power operator `^`",
+            "write a product: `x * x`; `^` stands in units: `m/s^2`",
+        )
     end = at + 1
     while end < len(text) and _unknown(text[end]):
         end += 1

@@ -6,7 +6,7 @@ Whether a word is a keyword or a name is left to the parser, which knows what ca
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source, Span
@@ -76,6 +76,7 @@ class _Scanner:
         self.keywords = table.keywords
         self.tokens: list[Token] = []
         self.found: list[Diagnostic] = []
+        self.strays: dict[str, int] = {}
         self.first = True
         at = 0
         while at < len(text):
@@ -86,7 +87,22 @@ class _Scanner:
                 continue
             at = self._token(text, at)
         self._add(END, "", len(text), len(text))
-        return self.tokens, self.found
+        return self.tokens, self._counted()
+
+    def _tell_once(self, stray: Diagnostic) -> None:
+        """A habit shows on every line; it is told of at the first."""
+        count = self.strays.get(stray.message, 0)
+        self.strays[stray.message] = count + 1
+        if count == 0:
+            self.found.append(stray)
+
+    def _counted(self) -> list[Diagnostic]:
+        return [
+            replace(d, notes=(f"{more} more of these in this file",))
+            if (more := self.strays.get(d.message, 1) - 1)
+            else d
+            for d in self.found
+        ]
 
     def _add(self, kind: str, text: str, start: int, end: int) -> int:
         self.tokens.append(Token(kind, text, start, end, self.first))
@@ -118,7 +134,9 @@ class _Scanner:
     def _odd_number(self, odd: re.Match[str]) -> int:
         digits, help_ = strays.mend_number(odd.group(), MAX_DIGITS)
         self.found.append(
-            Diagnostic("FZ108", f"`{_shown(odd.group())}` is not a number here", Span(*odd.span()), help=help_)
+            Diagnostic(
+                "FZ108", f"`{_shown(odd.group())}` is not how a number is written", Span(*odd.span()), help=help_
+            )
         )
         return self._bounded_number(digits, odd.start(), odd.end())
 
@@ -165,7 +183,7 @@ class _Scanner:
         after_number = bool(self.tokens) and self.tokens[-1].kind in ("NUMBER", "RSQB")
         stray = strays.find(text, at, after_number)
         if stray.message:
-            self.found.append(Diagnostic("FZ107", stray.message, Span(at, stray.end), help=stray.help))
+            self._tell_once(Diagnostic("FZ107", stray.message, Span(at, stray.end), help=stray.help))
         if stray.means:
             if stray.means in self.fixed:
                 kind = "WORD" if stray.means.isalpha() else self.fixed[stray.means]

@@ -36,6 +36,8 @@ _AFTER = {
 """What follows a terminal wherever it stands."""
 
 _WITHIN = {
+    ("COMMA", "placed_term"): "the next term and its peak, as in `B at 2`",
+    ("COMMA", "__placing_star_5"): "the next term and its peak, as in `B at 2`",
     ("COMMA", "names"): "another name",
     ("COMMA", "consequent"): "another output and its term, as in `w is SLOW`",
     ("COMMA", "_consequents"): "another output and its term, as in `w is SLOW`",
@@ -43,6 +45,19 @@ _WITHIN = {
     ("EQUAL", "target"): "a value",
 }
 """What follows a terminal after the symbol before it."""
+
+_BLOCKS = {
+    "CONTROLLER": "a controller",
+    "SYSTEM": "a system",
+    "TABLE": "a table",
+    "BEHAVIOR": "a behavior",
+    "RULES": "`rules`",
+    "INFER": "`infer`",
+    "EACH": "a `for each`",
+    "names": "the terms of a variable",
+    "LSQB": "a list's record",
+}
+"""Blocks by a symbol below their brace."""
 
 _ONLY = {
     ("IN", "LSQB"): "a range, as in `[0, 1]`",
@@ -105,6 +120,9 @@ def listed(table: Table, kinds: frozenset[str]) -> str:
     elif rest >= {"NAME", "LPAR", "NOT"}:
         phrases.append("a condition, as in `x is LOW`")
         rest -= {"NAME", "LPAR", "NOT"}
+    if rest >= _MEMBERS | {"NAME"}:
+        phrases.append("another term")
+        rest -= {"NAME"}
     for group, phrase in _GROUPS:
         if rest >= group:
             phrases.append(phrase)
@@ -112,6 +130,9 @@ def listed(table: Table, kinds: frozenset[str]) -> str:
     operators = rest >= _ARITHMETIC
     if operators:
         rest -= _OPERATORS | {"DOT", "LPAR", "UNIT", "NAME"}
+        if phrases:
+            phrases = ["an operator", "another item"]
+            operators = False
     order = sorted(rest, key=lambda k: (k not in _NAMED, k.isalpha() and len(table.texts.get(k, "")) > 1, k))
     phrases += [_NAMED.get(k) or f"`{table.texts[k]}`" for k in order]
     if END in kinds and len(phrases) > 1:
@@ -126,6 +147,16 @@ def joined(phrases: list[str]) -> str:
     if len(phrases) < 2:
         return "".join(phrases)
     return f"{', '.join(phrases[:-1])} or {phrases[-1]}"
+
+
+def block(brackets: list[Cell]) -> str:
+    """Where something stands, by the innermost open block: ``in a controller``."""
+    at: Cell | None = next((b for b in brackets if b.symbol == "LBRACE"), None)
+    while at is not None:
+        if at.symbol in _BLOCKS:
+            return f"in {_BLOCKS[at.symbol]}"
+        at = at.below
+    return "at the top level"
 
 
 def found(token: Token, table: Table) -> str:
