@@ -12,7 +12,7 @@ import numpy as np
 from fuzzyspec.check.bounding import bounded_floor
 from fuzzyspec.check.degrees import Side, core, degree
 from fuzzyspec.check.lattice import Literal, critical_places, lattice_floor
-from fuzzyspec.check.quantities import quantity
+from fuzzyspec.check.quantities import at_least, at_most, quantity
 from fuzzyspec.check.strength import ONE, ZERO, Setters, Spot, conjunction, setters_of, strongest
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Span
 from fuzzyspec.model.controller import CellRules, Controller, Inference, Input, Output, SentenceRule
@@ -135,7 +135,7 @@ def _silent(output: Output, low: Floor, inputs: tuple[Input, ...], fires_at: Fra
             for v, x, side in zip(inputs, low.spot.at, low.spot.sides, strict=True)
             if all(degree(t.shape, x, side) < fires_at for t in v.terms)
         ]
-        said = "no rule fires" if low.seen == 0 else f"the strongest rule only reaches {_short(low.seen)}"
+        said = "no rule fires" if low.seen == 0 else f"the strongest rule only reaches {at_most(low.seen)}"
         return Diagnostic(
             "FZ324",
             f"nothing fires for output `{output.name}` at some inputs",
@@ -150,15 +150,11 @@ def _silent(output: Output, low: Floor, inputs: tuple[Input, ...], fires_at: Fra
         "FZ325",
         f"it could not be proved that a rule for output `{output.name}` always fires",
         output.variable.span,
-        label=f"no strength below {_short(low.proved)} is possible; {_short(low.seen)} was seen at {where}",
+        label=f"no strength below {at_least(low.proved)} is possible; {at_most(low.seen)} was seen at {where}",
         labels=(Label(span, "in this controller"),),
         help=f"give `{output.name}` an `otherwise`, or rules that overlap more",
         point=point,
     )
-
-
-def _short(value: Fraction) -> str:
-    return str(value) if value.denominator <= 1024 else f"{float(value):.4g}"
 
 
 def _first_looks(setters: Setters) -> tuple[Spot, ...]:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TypeVar
 
 from fuzzyspec.check.decisions import Decision
-from fuzzyspec.check.quantities import interval, number, quantity
+from fuzzyspec.check.quantities import at_least, at_most, interval, number, quantity
 from fuzzyspec.check.report import BehaviorReport, ControllerReport, ModuleReport, OutputReport, SystemReport
 from fuzzyspec.model.controller import Input
 from fuzzyspec.model.system import ActingOutput, ListInput
@@ -93,10 +93,10 @@ def _output(report: OutputReport, fires_at: Fraction) -> list[str]:
     floor = report.floor
     where = ", ".join(f"{name} = {value}" for name, value in report.where.items())
     if floor.exact:
-        strength = f"never weaker than {_strength(floor.proved)}" if floor.proved else "nothing fires"
+        strength = f"never weaker than {at_least(floor.proved)}" if floor.proved else "nothing fires"
         strength += f" (at {where})" if where else ""
     else:
-        strength = f"never weaker than {_strength(floor.proved)}; {_strength(floor.seen)} was seen"
+        strength = f"never weaker than {at_least(floor.proved)}; {at_most(floor.seen)} was seen"
         strength += f" (at {where})" if where else ""
     if report.always_fires:
         strength += ": always fires"
@@ -160,7 +160,7 @@ def _decisions(decisions: Sequence[Decision], bands: Mapping[str, Fraction] | No
         if bands is None:
             band = ""
         elif d.key in bands:
-            band = f"; the two meanings may part within {number(bands[d.key])} of a tie"
+            band = f"; may differ within {at_most(bands[d.key])}"
         else:
             band = "; both meanings agree"
         rows.append(f"{d.key}: {words}{band}")
@@ -179,10 +179,6 @@ def _raw(variable: Variable) -> str:
             sign = "-" if power != step else ""
             return f"{variable.raw.ctype} step 2^{sign}{power.numerator.bit_length() - 1}"
     return f"{variable.raw.ctype} step {number(step)}"
-
-
-def _strength(value: Fraction) -> str:
-    return str(value) if value.denominator <= 1024 else number(value)
 
 
 def _labelled(label: str, items: Sequence[T]) -> list[tuple[str, T]]:
