@@ -106,8 +106,8 @@ def resolve_cells(claims: tuple[Claim, ...], ranking: Ranking, names: RuleNames)
     flat = winner.reshape(-1)
     code = {rank: (rank if behaviors else 0) for rank in started}
     outputs = range(len(names.outputs))
-    flat_consequents = consequents.reshape(len(outputs), -1)
-    flat_sources = sources.reshape(len(outputs), -1)
+    flat_consequents = consequents.reshape(len(outputs), flat.size)
+    flat_sources = sources.reshape(len(outputs), flat.size)
     rules = CellRules(
         shape,
         tuple(tuple(flat_consequents[o].tolist()) for o in outputs),
