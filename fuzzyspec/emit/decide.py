@@ -74,22 +74,27 @@ def _compare(test: Compare) -> bool | None:
 
 
 def settle(expr: Expr) -> Expr:
-    """The expression without choices that are decided; its value and its own interval stay."""
+    """The expression as C says it best; its value and its own interval stay.
+
+    Choices that are decided go, ``x + y * -3`` becomes ``x - y * 3``, and constants stand on the right of min and max.
+    """
     match expr:
         case Const() | Local() | ReadPort() | ReadField() | ReadState():
             return expr
         case Element():
             return replace(expr, index=settle(expr.index))
-        case Binary() | MulHigh():
+        case Binary():
+            return _subtracted(replace(expr, left=settle(expr.left), right=settle(expr.right)))
+        case MulHigh():
             return replace(expr, left=settle(expr.left), right=settle(expr.right))
         case Quotient():
             return replace(expr, num=settle(expr.num), den=settle(expr.den))
         case Least():
             outcome = decided(Compare("<", expr.left, expr.right))
-            return expr if outcome is None else expr.left if outcome else expr.right
+            return _constant_last(expr) if outcome is None else expr.left if outcome else expr.right
         case Greatest():
             outcome = decided(Compare(">", expr.left, expr.right))
-            return expr if outcome is None else expr.left if outcome else expr.right
+            return _constant_last(expr) if outcome is None else expr.left if outcome else expr.right
         case Above():
             outcome = decided(Compare(">", expr.left, expr.right))
             if outcome is None:
@@ -104,6 +109,19 @@ def settle(expr: Expr) -> Expr:
             return then if then == other else replace(expr, test=test, then=then, other=other)
         case _:
             assert_never(expr)
+
+
+def _constant_last(expr: Least | Greatest) -> Expr:
+    return replace(expr, left=expr.right, right=expr.left) if isinstance(expr.left, Const) else expr
+
+
+def _subtracted(expr: Binary) -> Expr:
+    match expr:
+        case Binary("+", left, Binary("*", factor, Const(by), lo, hi)) if by < 0 and lo > -(2**31):
+            product = factor if by == -1 else Binary("*", factor, Const(-by), -hi, -lo)
+            return replace(expr, op="-", left=left, right=product)
+        case _:
+            return expr
 
 
 def settle_test(test: Test) -> Test:

@@ -35,9 +35,7 @@ def bound(found: OutputBound, variable: Variable | None) -> str:
         return f"no certified error: {found.reason}"
     error = upper(found.error)
     text = f"certified error {quantity(error, variable) if variable is not None else error}"
-    if found.percent_of_range is not None:
-        text += f", {upper(found.percent_of_range)} % of range"
-    return f"{text} ({found.reason})" if found.reason else text
+    return text if found.percent_of_range is None else f"{text}, {upper(found.percent_of_range)} % of range"
 
 
 def band(found: Band) -> str:
@@ -62,9 +60,11 @@ def certificate_lines(
     for port in ports:
         told = [bound(found[port.name], port.variable)] if port.name in found and port.variable is not None else []
         if port.name in reachable:
-            told.append(f"reaches {reachable[port.name]} while it fires")
+            told.append(f"reaches {reachable[port.name]} while a rule fires")
         if told:
             lines.append(f"{port.name}: {'; '.join(told)}")
+        if port.name in found and found[port.name].error is not None and found[port.name].reason:
+            lines.append(f"  error: {found[port.name].reason}")
     if certificate is not None and certificate.bands:
         lines.append("decisions on computed values, where the exact meaning may decide otherwise only this near a tie:")
         lines.extend(f"  {band(b)}" for b in certificate.bands)

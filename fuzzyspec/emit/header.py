@@ -159,10 +159,15 @@ def _conversions(function: Function, own: FunctionNames, macros: Scope) -> list[
             seen.add(name)
             stem = own.limits[name]
             lines += comment(f"{name}: x in {found.words}, {found.lo} .. {found.hi}")
-            lines.append(f"#define {macros.claim(f'{stem}_FROM_{found.name}')}(x) {found.from_body}")
-            lines.append(f"#define {macros.claim(f'{stem}_TO_{found.name}')}(raw) {found.to_body}")
+            lines += _macro(f"{macros.claim(f'{stem}_FROM_{found.name}')}(x)", found.from_body)
+            lines += _macro(f"{macros.claim(f'{stem}_TO_{found.name}')}(raw)", found.to_body)
     head = "/* Conversions on integers, rounded to nearest; x may be evaluated more than once. */"
     return [head, *lines] if lines else []
+
+
+def _macro(name: str, body: str) -> list[str]:
+    line = f"#define {name} {body}"
+    return [line] if len(line) <= COLUMNS else [f"#define {name} \\", f"{INDENT}{body}"]
 
 
 def _measured(function: Function) -> list[tuple[str, Port]]:

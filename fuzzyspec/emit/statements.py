@@ -164,7 +164,9 @@ def _refuse_shadowing(body: tuple[Stmt, ...], outer: frozenset[str]) -> None:
 def _block(body: tuple[Stmt, ...], depth: int, context: _Context) -> Iterator[str]:
     for index, statement in enumerate(body):
         after_block = depth == 1 and index > 0 and isinstance(body[index - 1], Branch | Loop | Each)
-        if after_block or (index > 0 and isinstance(statement, Comment)):
+        if (after_block and not isinstance(statement, Branch | Loop | Each)) or (
+            index > 0 and isinstance(statement, Comment)
+        ):
             yield ""
         yield from _statement(statement, depth, context)
 
