@@ -17,6 +17,7 @@ from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Source, Span
 from fuzzyspec.model.system import Module, System
 from fuzzyspec.model.units import Unit
 from fuzzyspec.syntax import tree
+from fuzzyspec.syntax.tokens import MISSING
 
 RESERVED_CONTROLLERS = dict.fromkeys((*FUNCTIONS, *FOLDS), "a built-in function")
 
@@ -35,7 +36,11 @@ def check(
     findings = Findings()
     checker = _ModuleChecker(module, findings, Blanks(source, bool(torn)), torn)
     checked = checker.check()
-    return (None if findings.errors or torn else checked), findings.sorted()
+    found = findings.sorted()
+    if torn:
+        # What the parser put in for a missing word has no extent; nothing is to be said about it.
+        found = tuple(d for d in found if d.span.start < d.span.end and f"`{MISSING}`" not in d.message)
+    return (None if findings.errors or torn else checked), found
 
 
 class _ModuleChecker:
