@@ -87,9 +87,7 @@ def partitioned_output(
     return Output(variable(name, exact[0], exact[-1], unit), terms, tuple(exact), full, lo, hi, fallback)
 
 
-def output_of(
-    name: str, lo: Number, hi: Number, shapes: Sequence[Shape], fallback: Fallback | None = None
-) -> Output:
+def output_of(name: str, lo: Number, hi: Number, shapes: Sequence[Shape], fallback: Fallback | None = None) -> Output:
     """An output with terms of any shape."""
     terms = tuple(term(f"T{k}", s) for k, s in enumerate(shapes))
     return Output(variable(name, lo, hi), terms, None, False, Fraction(lo), Fraction(hi), fallback)
@@ -111,9 +109,7 @@ def controller(
         "always_fires": tuple(o.fallback is None for o in outputs),
         "span": NOWHERE,
     } | more
-    return Controller(
-        inputs=tuple(inputs), outputs=tuple(outputs), cells=cells, sentences=tuple(sentences), **given
-    )
+    return Controller(inputs=tuple(inputs), outputs=tuple(outputs), cells=cells, sentences=tuple(sentences), **given)
 
 
 def table(inputs: Sequence[Input], *consequents: Sequence[int], owner: Sequence[int] | None = None) -> CellRules:
@@ -242,9 +238,7 @@ def controllers(draw: st.DrawFn, jumps: bool = True, infer: Inference | None = N
         for i in inputs:
             cells *= len(i.terms)
         codes = draw(st.integers(0, 3))
-        rows = [
-            draw(st.lists(st.integers(-1, len(o.terms) - 1), min_size=cells, max_size=cells)) for o in outputs
-        ]
+        rows = [draw(st.lists(st.integers(-1, len(o.terms) - 1), min_size=cells, max_size=cells)) for o in outputs]
         owner = draw(st.lists(st.integers(0, codes), min_size=cells, max_size=cells))
         behaviors = tuple(Behavior(f"B{c}", c, 10 - c, NOWHERE) for c in range(1, codes + 1))
         return controller(inputs, outputs, table(inputs, *rows, owner=owner), infer=infer, behaviors=behaviors)

@@ -166,9 +166,7 @@ def _behaviors() -> Controller:
     x = partitioned("x", [0, 1, 2])
     y = partitioned_output("y", [0, 1, 2], fallback=Fallback(Fraction(0), False))
     behaviors = tuple(Behavior(n, c, 9 - c, y.terms[0].span) for c, n in enumerate(("A", "B", "C"), start=1))
-    return controller(
-        [x], [y], table([x], [0, 1, 2], owner=[2, 1, 3]), behaviors=behaviors, fires_at=Fraction(5, 8)
-    )
+    return controller([x], [y], table([x], [0, 1, 2], owner=[2, 1, 3]), behaviors=behaviors, fires_at=Fraction(5, 8))
 
 
 def test_acting_behavior() -> None:
