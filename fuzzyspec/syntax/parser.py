@@ -9,7 +9,7 @@ from fuzzyspec.syntax import layout, limits, repair, skip, tree
 from fuzzyspec.syntax.machine import Cell, advance, bottom
 from fuzzyspec.syntax.reading import stack_at
 from fuzzyspec.syntax.table import load
-from fuzzyspec.syntax.tokens import END, Token, tokenize
+from fuzzyspec.syntax.tokens import END, Token, tokenize, unit_behind
 
 MAX_ERRORS = 50
 """Syntax errors of one file after which its rest is left unread."""
@@ -105,6 +105,8 @@ class _Reading:
             self.found.append(edit.diagnostic)
             for i, token in edit.swaps.items():
                 self.tokens[i] = token
+                if token.kind == "RSQB":
+                    unit_behind(self.tokens, i + 1, self.source.text)
             self.tokens[edit.at : edit.at + edit.drop] = edit.insert
             self.cell = stack_at(self, edit.at)
             del self.trail[edit.at :]

@@ -15,8 +15,8 @@ from fuzzyspec.syntax.table import load
 
 MAX_DIGITS = 40
 """Digits of one number."""
-MAX_NAME = 64
-"""Characters of one name."""
+MAX_NAME = 200
+"""Characters of one name that are kept; far more than the checker allows, and few enough for a message."""
 
 END = "$END"
 MISSING = "?"
@@ -162,8 +162,10 @@ class _Scanner:
         if word is None:
             return self._stray(text, at)
         name, end = word.group(), word.end()
-        if not name.isascii() or len(name) > MAX_NAME:
-            self.found.append(_odd_name(name, Span(at, end)))
+        if not name.isascii():
+            self._tell_once(_odd_name(name, Span(at, end)))
+            name = "".join(c if c.isascii() else "x" for c in name)
+        name = name[:MAX_NAME]
         colon = _COLON.match(text, end)
         if colon:
             return self._add("LABEL", name, at, colon.end())
@@ -193,14 +195,22 @@ class _Scanner:
         return stray.end
 
 
+def unit_behind(tokens: list[Token], at: int, text: str) -> None:
+    """Reads the words at ``at`` as a unit, in place: what stands behind a bracket that turned out to close a range."""
+    if at >= len(tokens) or tokens[at].kind != "WORD" or tokens[at].text in load().keywords:
+        return
+    unit = _UNIT.match(text, tokens[at].start)
+    if unit is not None:
+        last = at
+        while tokens[last].end < unit.end():
+            last += 1
+        tokens[at : last + 1] = [tokens[at]._replace(kind="UNIT", text=unit.group(), end=unit.end())]
+
+
 def _odd_name(name: str, span: Span) -> Diagnostic:
-    if len(name) > MAX_NAME:
-        return Diagnostic(
-            "FZ115", f"a name of {len(name)} characters", span, help=f"a name has at most {MAX_NAME} characters"
-        )
     return Diagnostic(
         "FZ115",
-        f"`{name}` holds letters that a name cannot have",
+        f"`{_shown(name)}` holds letters that a name cannot have",
         span,
         help="names become C names: letters a to z and A to Z, digits and `_`",
     )
