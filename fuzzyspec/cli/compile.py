@@ -7,11 +7,15 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fuzzyspec.cli.spec import spec_path
+
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from fuzzyspec.api import Spec
     from fuzzyspec.emit import Plan
     from fuzzyspec.fixed.certificate import OutputBound
-    from fuzzyspec.lower import Lowered, Options
+    from fuzzyspec.lower import Lowered
     from fuzzyspec.model.variable import Variable
 
 
@@ -22,7 +26,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="write the C of a spec",
         description="Compile a spec to <module>.h, <module>.c and <module>_selftest.c, all of them or none.",
     )
-    parser.add_argument("file", metavar="FILE.fz", help="the spec")
+    parser.add_argument("file", metavar="FILE.fz", type=spec_path, help="the spec")
     parser.add_argument("-o", dest="directory", metavar="DIR", default=".", help="where to write (default: here)")
     parser.add_argument("--check", action="store_true", help="write nothing; exit status 1 where a file is stale")
     parser.add_argument(
@@ -39,20 +43,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Compile; 0, or 1 where the spec is wrong or, with ``--check``, a file is stale."""
     from fuzzyspec.api import load
     from fuzzyspec.cli import terminal
-    from fuzzyspec.diagnostics.diagnostic import SpecError
     from fuzzyspec.emit import emit, stale, write
     from fuzzyspec.lower import Options
 
     as_json = arguments.format == "json"
     options = Options(bounds=arguments.bounds)
-    try:
-        spec = load(arguments.file)
-        lowered = _lowered(spec, options)
-    except SpecError as error:
-        if as_json:
-            _print_json({"ok": False, "diagnostics": _diagnostics(error)})
-            return 1
-        raise
+    spec = load(arguments.file)
+    lowered = spec.lower(options)
     if not as_json:
         terminal.print_diagnostics(spec.warnings, spec.source)
     plan = emit(spec.module, lowered, spec.source, options)
@@ -60,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.check:
         write(plan, arguments.directory)
     if as_json:
-        _print_json(_as_data(spec, lowered, plan, arguments.directory, old))
+        print(json.dumps(_as_data(spec, lowered, plan, arguments.directory, old), indent=2))
     elif arguments.check:
         for name in old:
             terminal.complain(f"{Path(arguments.directory, name)} is stale: compile {arguments.file} again")
@@ -69,16 +66,6 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"wrote {Path(arguments.directory, name)}")
         _print_certificates(lowered)
     return 1 if old else 0
-
-
-def _lowered(spec: Spec, options: Options) -> Lowered:
-    from fuzzyspec.diagnostics.diagnostic import SpecError
-    from fuzzyspec.lower import LoweringError, lower
-
-    try:
-        return lower(spec.module, options)
-    except LoweringError as error:
-        raise SpecError(spec.source, error.diagnostics) from error
 
 
 def _print_certificates(lowered: Lowered) -> None:
@@ -104,6 +91,13 @@ def _told(found: OutputBound, variable: Variable) -> tuple[str, str, str]:
     return error, upper(found.percent_of_range) if found.percent_of_range is not None else "", ""
 
 
+def _number(bound: Fraction | None) -> float | None:
+    """Six digits, rounded up."""
+    from fuzzyspec.emit.numerals import upper
+
+    return None if bound is None else float(upper(bound, 6))
+
+
 def _as_data(spec: Spec, lowered: Lowered, plan: Plan, directory: str, old: list[str]) -> dict[str, object]:
     from fuzzyspec.diagnostics.render import as_json
 
@@ -111,8 +105,8 @@ def _as_data(spec: Spec, lowered: Lowered, plan: Plan, directory: str, old: list
         return [
             {
                 "output": o.output,
-                "error": None if o.error is None else str(o.error),
-                "percent_of_range": None if o.percent_of_range is None else str(o.percent_of_range),
+                "error": _number(o.error),
+                "percent_of_range": _number(o.percent_of_range),
                 "reason": o.reason,
             }
             for o in lowered.certificates[function].outputs
@@ -127,15 +121,3 @@ def _as_data(spec: Spec, lowered: Lowered, plan: Plan, directory: str, old: list
         "certified": {f.name: outputs(f.name) for f in lowered.program.functions},
         "diagnostics": as_json(spec.warnings, spec.source),
     }
-
-
-def _diagnostics(error: Exception) -> object:
-    from fuzzyspec.diagnostics.diagnostic import SpecError
-    from fuzzyspec.diagnostics.render import as_json
-
-    assert isinstance(error, SpecError)
-    return as_json(error.diagnostics, error.source)
-
-
-def _print_json(data: object) -> None:
-    print(json.dumps(data, indent=2))

@@ -63,9 +63,16 @@ def certificate_lines(
             told.append(f"reaches {reachable[port.name]} while a rule fires")
         if told:
             lines.append(f"{port.name}: {'; '.join(told)}")
-        if port.name in found and found[port.name].error is not None and found[port.name].reason:
-            lines.append(f"  error: {found[port.name].reason}")
+    lines.extend(_origins([o for o in found.values() if o.error is not None]))
     if certificate is not None and certificate.bands:
         lines.append("decisions on computed values, where the exact meaning may decide otherwise only this near a tie:")
         lines.extend(f"  {band(b)}" for b in certificate.bands)
     return lines
+
+
+def _origins(bounds: list[OutputBound]) -> list[str]:
+    """Where the errors come from; once where all outputs say the same."""
+    reasons = list(dict.fromkeys(o.reason for o in bounds if o.reason))
+    if len(reasons) == 1:
+        return [f"errors by origin: {reasons[0]}"]
+    return [f"errors of {o.output} by origin: {o.reason}" for o in bounds if o.reason]

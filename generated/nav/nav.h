@@ -56,7 +56,7 @@ typedef struct {
 
 /* One call of controller danger.
  * ddc: certified error 0.000047, 0.0047 % of range; reaches 0 .. 1 while a rule fires
- *   error: degrees 51 %, areas and moments 0 %, quotient and rounding 49 %
+ * errors by origin: degrees 51 %, areas and moments 0 %, quotient and rounding 49 %
  */
 nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out);
 
@@ -124,9 +124,9 @@ typedef struct {
 
 /* One call of controller velocity.
  * v: certified error 0.000046 m/s, 0.0066 % of range; reaches 0 .. 0.7 m/s while a rule fires
- *   error: degrees 68 %, areas and moments 0 %, quotient and rounding 32 %
  * w: certified error 0.000073 rad/s, 0.013 % of range; reaches -0.3 .. 0.3 rad/s while a rule fires
- *   error: degrees 79 %, areas and moments 0 %, quotient and rounding 21 %
+ * errors of v by origin: degrees 68 %, areas and moments 0 %, quotient and rounding 32 %
+ * errors of w by origin: degrees 79 %, areas and moments 0 %, quotient and rounding 21 %
  * decisions on computed values, where the exact meaning may decide otherwise only this near a tie:
  *   which behavior acts [acting]: within 0.000034
  */
@@ -225,21 +225,12 @@ typedef struct {
 
 /* One step of system nav.
  * v: certified error 0.0021 m/s, 0.3 % of range; reaches 0 .. 0.7 m/s while a rule fires
- *   error: danger_1.ddc: degrees 87 %, areas and moments 0 %, quotient and rounding 13 %; drive.v:
- *     degrees 99 %, areas and moments 0 %, quotient and rounding 1 %; drive.w: degrees 99 %, areas
- *     and moments 0 %, quotient and rounding 1 %
  * w: certified error 0.0025 rad/s, 0.41 % of range; reaches -0.3 .. 0.3 rad/s while a rule fires
- *   error: danger_1.ddc: degrees 87 %, areas and moments 0 %, quotient and rounding 13 %; drive.v:
- *     degrees 99 %, areas and moments 0 %, quotient and rounding 1 %; drive.w: degrees 99 %, areas
- *     and moments 0 %, quotient and rounding 1 %
  * v_left: certified error 0.0025 m/s, 0.31 % of range
- *   error: danger_1.ddc: degrees 87 %, areas and moments 0 %, quotient and rounding 13 %; drive.v:
- *     degrees 99 %, areas and moments 0 %, quotient and rounding 1 %; drive.w: degrees 99 %, areas
- *     and moments 0 %, quotient and rounding 1 %
  * v_right: certified error 0.0025 m/s, 0.31 % of range
- *   error: danger_1.ddc: degrees 87 %, areas and moments 0 %, quotient and rounding 13 %; drive.v:
- *     degrees 99 %, areas and moments 0 %, quotient and rounding 1 %; drive.w: degrees 99 %, areas
- *     and moments 0 %, quotient and rounding 1 %
+ * errors by origin: danger_1.ddc: degrees 87 %, areas and moments 0 %, quotient and rounding 13 %;
+ *   drive.v: degrees 99 %, areas and moments 0 %, quotient and rounding 1 %; drive.w: degrees 99 %,
+ *   areas and moments 0 %, quotient and rounding 1 %
  * decisions on computed values, where the exact meaning may decide otherwise only this near a tie:
  *   which behavior acts [drive.acting]: within 0.00074
  */

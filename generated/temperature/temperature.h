@@ -65,7 +65,7 @@ void temperature_fan_init(temperature_fan_state_t *state);
 
 /* One call of controller fan.
  * duty: certified error 0.29 %, 0.29 % of range; reaches 10 .. 86 % while a rule fires
- *   error: degrees 10 %, areas and moments 0 %, quotient and rounding 89 %
+ * errors by origin: degrees 10 %, areas and moments 0 %, quotient and rounding 89 %
  * decisions on computed values, where the exact meaning may decide otherwise only this near a tie:
  *   whether duty fires [fires.duty]: within 0.000043
  */
@@ -128,7 +128,7 @@ void temperature_init(temperature_state_t *state);
 
 /* One step of system temperature.
  * duty: certified error 1 %, 1 % of range; reaches 10 .. 86 % while a rule fires
- *   error: drive.duty: degrees 74 %, areas and moments 0 %, quotient and rounding 26 %
+ * errors by origin: drive.duty: degrees 74 %, areas and moments 0 %, quotient and rounding 26 %
  * decisions on computed values, where the exact meaning may decide otherwise only this near a tie:
  *   whether duty fires [drive.fires.duty]: within 0.00055
  */

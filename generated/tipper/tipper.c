@@ -78,7 +78,7 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
         } else if (food <= 40959U) {
             food_mu[1U] = 32768U;
         } else {
-            food_mu[1U] = (uint16_t)(32768U - (((uint32_t)food - 40960U) * 4U));
+            food_mu[1U] = 32768U;
         }
     }
 

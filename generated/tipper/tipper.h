@@ -56,7 +56,7 @@ typedef struct {
 
 /* One call of controller tip.
  * tip: certified error 0.00084 %, 0.0028 % of range; reaches 5 .. 25 % while a rule fires
- *   error: degrees 43 %, areas and moments 0 %, quotient and rounding 57 %
+ * errors by origin: degrees 43 %, areas and moments 0 %, quotient and rounding 57 %
  */
 tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *out);
 

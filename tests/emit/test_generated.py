@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import fuzzyspec
-from fuzzyspec.emit import stale
+from fuzzyspec.emit import stale, write
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = sorted(p.stem for p in (ROOT / "examples").glob("*.fz"))
@@ -40,6 +40,20 @@ def test_generated_files_compile_without_a_word(name: str, build: str, tmp_path:
     for source in sorted((ROOT / "generated" / name).glob("*.c")):
         line = [*BUILDS[build], *WARNINGS, "-c", str(source), "-o", str(tmp_path / "x.o")]
         done = subprocess.run(line, capture_output=True, text=True, check=False)
+        assert done.returncode == 0 and done.stderr == "", done.stderr
+
+
+@pytest.mark.parametrize("build", BUILDS)
+@pytest.mark.parametrize("spec", sorted((ROOT / "tests" / "fixtures").glob("ok_*.fz")), ids=lambda p: p.stem)
+def test_good_fixtures_compile_without_a_word(spec: Path, build: str, tmp_path: Path) -> None:
+    """So does the C of every good spec of the test suite, names and raw types of all kinds."""
+    if shutil.which(BUILDS[build][0]) is None:
+        pytest.skip(f"{build} is not installed")
+    plan = fuzzyspec.load(spec).compile()
+    write(plan, tmp_path)
+    for source in sorted(tmp_path.glob("*.c")):
+        line = [*BUILDS[build], *WARNINGS, "-c", source.name, "-o", "x.o"]
+        done = subprocess.run(line, cwd=tmp_path, capture_output=True, text=True, check=False)
         assert done.returncode == 0 and done.stderr == "", done.stderr
 
 
