@@ -17,7 +17,9 @@ SOURCES = sorted(f for package in PACKAGES for f in (ROOT / package).rglob("*.py
 LONGEST = 450
 
 MACHINE_PATH = re.compile(r"(?<![\w.:/-])/(?:home|root|work|farm|tmp|Users|private|opt)/\w")
-REGISTRY_HOST = re.compile(r"pypi\.org|pythonhosted\.|registry\.npmjs|(?:index|registry)[-_]url|crates\.io|\bmirror\b.*https?:")
+REGISTRY_HOST = re.compile(
+    r"pypi\.org|pythonhosted\.|registry\.npmjs|(?:index|registry)[-_]url|crates\.io|\bmirror\b.*https?:"
+)
 TIME_STAMP = re.compile(r"\b(?:19|20)\d\d-\d\d-\d\d[T ]\d\d:\d\d")
 
 
@@ -36,7 +38,7 @@ def lines_matching(pattern: re.Pattern[str]) -> list[str]:
     return [
         f"{file.relative_to(ROOT)}:{number}: {line.strip()[:100]}"
         for file in tracked()
-        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1)
+        for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), 1)
         if pattern.search(line)
     ]
 
@@ -116,7 +118,7 @@ def test_every_command_is_a_module_that_registers(name: str) -> None:
 
 def test_start_up_imports_nothing_heavy() -> None:
     """Building the command line loads none of the libraries that only some commands need."""
-    heavy = ("numpy", "lark", "jinja2", "cffi", "matplotlib", "decimal")
+    heavy = ("numpy", "lark", "jinja2", "cffi", "matplotlib")
     code = (
         "import sys; from fuzzyspec.cli.main import build_parser; build_parser();"
         f"print(*[name for name in {heavy} if name in sys.modules])"

@@ -7,6 +7,8 @@ import json
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from fuzzyspec.cli.spec import spec_path
+
 if TYPE_CHECKING:
     from fuzzyspec.check.report import ModuleReport
     from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source
@@ -21,7 +23,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         description="Report everything that is wrong with specs (on standard error), and of sound ones what their "
         "rules come to: cells and who wins them, coverage, what outputs reach, decisions on computed values.",
     )
-    parser.add_argument("files", metavar="FILE.fz", nargs="+", help="the specs")
+    parser.add_argument("files", metavar="FILE.fz", type=spec_path, nargs="+", help="the specs")
     parser.add_argument("--format", choices=("text", "json"), default="text")
     parser.set_defaults(run=run)
 

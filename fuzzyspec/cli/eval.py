@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fuzzyspec.cli.quantity import quantity
+from fuzzyspec.cli.spec import spec_path
 from fuzzyspec.diagnostics.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ def register(subparsers: Any) -> None:
         epilog="example: fuzzyc eval nav.fz target_bearing=-30deg obstacles.0.distance=2.5 obstacles.0.bearing=10 "
         "obstacles.0.speed=0.2 obstacles.0.radius=20cm",
     )
-    parser.add_argument("file", metavar="FILE.fz", help="the spec")
+    parser.add_argument("file", metavar="FILE.fz", type=spec_path, help="the spec")
     parser.add_argument("values", metavar="NAME=VALUE", nargs="*", help="an input, with or without its unit")
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--controller", metavar="NAME", help="evaluate this controller")

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import importlib.util
 import os
 import sys
 from collections.abc import Sequence
@@ -35,9 +34,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"fuzzyc {__version__}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
     for name in COMMANDS:
-        module = f"fuzzyspec.cli.{name}"
-        if importlib.util.find_spec(module) is not None:
-            importlib.import_module(module).register(subparsers)
+        importlib.import_module(f"fuzzyspec.cli.{name}").register(subparsers)
     return parser
 
 
@@ -46,11 +43,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     terminal.speak_utf8()
     try:
         arguments = build_parser().parse_args(argv)
-        status: int = arguments.run(arguments)
+        status = _run(arguments)
         sys.stdout.flush()
-    except SpecError as error:
-        terminal.print_diagnostics(error.diagnostics, error.source)
-        return FAILED
     except Refusal as error:
         terminal.complain(str(error))
         return MISUSED
@@ -67,6 +61,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     except Exception as error:
         terminal.print_bug_box(error, list(sys.argv[1:] if argv is None else argv))
         return BUG
+    return status
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    """The command itself. A spec with errors reads the same whichever command met them."""
+    try:
+        status: int = arguments.run(arguments)
+    except SpecError as error:
+        if getattr(arguments, "format", "text") == "json":
+            terminal.print_diagnostics_as_json(error.diagnostics, error.source)
+        else:
+            terminal.print_diagnostics(error.diagnostics, error.source)
+        return FAILED
     return status
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import sys
 import traceback
@@ -37,6 +38,13 @@ def print_diagnostics(diagnostics: Sequence[Diagnostic], source: Source, stream:
     stream = sys.stderr if stream is None else stream
     if diagnostics:
         print(render(tuple(diagnostics), source, color=wants_color(stream)), file=stream)
+
+
+def print_diagnostics_as_json(diagnostics: Sequence[Diagnostic], source: Source) -> None:
+    """What a command with ``--format json`` prints instead of its result when the spec has errors."""
+    from fuzzyspec.diagnostics.render import as_json
+
+    print(json.dumps({"ok": False, "diagnostics": as_json(diagnostics, source)}, indent=2))
 
 
 def complain(message: str) -> None:

@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from fuzzyspec.cli.spec import spec_path
+
 
 def register(subparsers: Any) -> None:
     """Add the command."""
@@ -18,7 +20,7 @@ def register(subparsers: Any) -> None:
         "and meaning within the certified bounds.",
         epilog="exit status: 0 verified, 1 not, 2 wrong usage or no C compiler",
     )
-    parser.add_argument("file", metavar="FILE.fz", help="the spec")
+    parser.add_argument("file", metavar="FILE.fz", type=spec_path, help="the spec")
     parser.add_argument("--c", metavar="FILE", type=Path, help="verify this C file instead of the generated one")
     parser.add_argument("--only", metavar="NAME", action="append", default=[], help="verify this controller or system")
     parser.add_argument("--scenario", metavar="CSV", type=Path, help="replay recorded inputs instead of making them up")

@@ -33,7 +33,7 @@ def test_broken_compiler_has_no_sanitizers(
 ) -> None:
     """A compiler that links nothing is shown without sanitizers."""
     compiler = tmp_path / "broken"
-    compiler.write_text("#!/bin/sh\n[ \"$1\" = --version ] && echo broken 1.0 && exit 0\nexit 1\n", encoding="utf-8")
+    compiler.write_text('#!/bin/sh\n[ "$1" = --version ] && echo broken 1.0 && exit 0\nexit 1\n', encoding="utf-8")
     compiler.chmod(0o755)
     monkeypatch.setenv("CC", str(compiler))
     main(["doctor", "--format", "json"])
