@@ -48,8 +48,9 @@ def _controller(report: ControllerReport, bands: Mapping[str, Fraction] | None) 
     lines += [_line("rules", ", ".join(rules)), _line("inference", how)]
     if report.behaviors:
         lines += _behaviors(report.behaviors, report.cells)
+    told: dict[str, str] = {}
     for output in report.outputs:
-        lines += _output(output, controller.fires_at)
+        lines += _output(output, controller.fires_at, told)
     return lines + _decisions(report.decisions, bands)
 
 
@@ -86,7 +87,8 @@ def _behaviors(behaviors: Sequence[BehaviorReport], cells: int) -> list[str]:
     return lines
 
 
-def _output(report: OutputReport, fires_at: Fraction) -> list[str]:
+def _output(report: OutputReport, fires_at: Fraction, told: dict[str, str]) -> list[str]:
+    """``told`` maps a coverage to the output that it was told of first, so that it is not told again."""
     variable, fallback = report.output.variable, report.output.fallback
     lines = [_line("output", _ranged(variable) + ": " + " ".join(t.name for t in report.output.terms))]
     lines.append(_line("", f"reaches   {_reach(report)}"))
@@ -100,7 +102,8 @@ def _output(report: OutputReport, fires_at: Fraction) -> list[str]:
         strength += f" (at {where})" if where else ""
     if report.always_fires:
         strength += ": always fires"
-    lines.append(_line("", f"coverage  {strength}"))
+    first = told.setdefault(strength, variable.name)
+    lines.append(_line("", f"coverage  {strength if first == variable.name else f'as of {first}'}"))
     if fallback is not None:
         value = quantity(fallback.value, variable.unit)
         what = f"holds its last value, at first {value}" if fallback.hold else f"is {value}"
@@ -159,7 +162,7 @@ def _decisions(decisions: Sequence[Decision], bands: Mapping[str, Fraction] | No
         words = {"0/0": f"0/0 in {d.what}", "comparison": d.what, "fires": d.what, "acting": d.what}[d.kind]
         if bands is None:
             band = ""
-        elif d.key in bands:
+        elif bands.get(d.key):
             band = f"; may differ within {at_most(bands[d.key])}"
         else:
             band = "; both meanings agree"

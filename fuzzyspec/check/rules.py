@@ -79,15 +79,15 @@ def resolve_rules(
     blocks, behavior_claims = resolve_behaviors(behavior_decls, names, numbers)
     table_claims, missing = resolve_tables(tables, names)
     ranking = rank(blocks, tables)
+    claims = behavior_claims + table_claims
     cells = None
     if (tables or behavior_decls) and _fits(decl, inputs, names) and all(b.priority is not None for b in blocks):
-        claims = behavior_claims + table_claims
         cells = resolve_cells(claims, ranking, names)
-        if not names.broken:
-            by_sentence = frozenset(o for s in sentences for o, _ in s.consequents)
-            report_holes(cells, claims, missing, by_sentence, bool(blocks), names, decl.name.span)
     if not names.broken:
         _report_never_set(decl, cells, sentences, names)
+        if cells is not None:
+            by_sentence = frozenset(o for s in sentences for o, _ in s.consequents)
+            report_holes(cells, claims, missing, by_sentence, bool(blocks), names, decl.name.span)
 
     kept = None if cells is None else cells.rules
     always = tuple(False for _ in outputs)
