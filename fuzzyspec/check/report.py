@@ -126,7 +126,9 @@ def _controller(controller: Controller) -> ControllerReport:
     for index, (output, low) in enumerate(zip(controller.outputs, found, strict=True)):
         setters = setters_of(index, controller.inputs, controller.infer, controller.cells, controller.sentences)
         where = show_spot(low.spot, controller.inputs, setters.used)
-        unset = 0 if controller.cells is None else controller.cells.consequents[index].count(-1)
+        cells = () if controller.cells is None else controller.cells.consequents[index]
+        # An output of sentence rules alone has no cells, rather than only open ones.
+        unset = cells.count(-1) if any(term >= 0 for term in cells) else 0
         always = controller.always_fires[index]
         outputs.append(OutputReport(output, low, where, always, reach(controller, index), unset))
     return ControllerReport(
