@@ -17,12 +17,12 @@ _EXACT = 2**53
 def dequantise(variable: Variable, raws: ArrayLike) -> Floats:
     """The values of raws in the variable's unit, correctly rounded: equal rationals give equal floats.
 
-    Raws are not saturated. Any shape; the result has the same.
+    A raw outside the legal ones counts as the nearest of them, as it does in the C. Any shape; the result has the same.
     """
     step, origin = variable.raw.step, variable.raw.origin
     den = math.lcm(step.denominator, origin.denominator)
     slope, start = int(step * den), int(origin * den)
-    counts = np.asarray(raws, dtype=np.int64)
+    counts = np.clip(np.asarray(raws, dtype=np.int64), variable.raw.lo, variable.raw.hi)
     if not counts.size:
         return np.zeros(counts.shape)
     largest = abs(slope) * max(abs(int(counts.min())), abs(int(counts.max()))) + abs(start)

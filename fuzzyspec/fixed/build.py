@@ -6,6 +6,8 @@ later pass but the only way to make a node. Constants fold.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from fuzzyspec.fixed.program import (
     Above,
     Binary,
@@ -98,7 +100,7 @@ def sub(left: Expr, right: Expr) -> Expr:
 def sub_guarded(left: Expr, right: Expr, hi: int) -> Expr:
     """``left - right`` where a test around it, or the caller's proof, holds the result in ``[0, hi]``."""
     if isinstance(right, Const) and right.value == 0:
-        return left
+        return left if isinstance(left, Const) else replace(left, lo=max(left.lo, 0), hi=min(left.hi, hi))
     return _binary("-", left, right, 0, hi)
 
 

@@ -166,7 +166,19 @@ class Quotient:
 
 
 Expr = (
-    Const | Local | Element | ReadPort | ReadField | ReadState | Binary | Least | Greatest | Above | Select | MulHigh | Quotient
+    Const
+    | Local
+    | Element
+    | ReadPort
+    | ReadField
+    | ReadState
+    | Binary
+    | Least
+    | Greatest
+    | Above
+    | Select
+    | MulHigh
+    | Quotient
 )
 
 

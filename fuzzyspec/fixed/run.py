@@ -115,7 +115,10 @@ def run(
     function = program.function(function_name)
     arrays = {k: np.asarray(v).astype(np.int64) for k, v in inputs.items()}
     lanes = _lanes(function, arrays)
-    held = {k: np.broadcast_to(np.asarray(v, dtype=np.int64), (lanes,)) for k, v in (state or initial_state(program, function)).items()}
+    held = {
+        k: np.broadcast_to(np.asarray(v, dtype=np.int64), (lanes,))
+        for k, v in (state or initial_state(program, function)).items()
+    }
     parts: list[Run] = []
     for start in range(0, max(lanes, 1), CHUNK):
         part = slice(start, min(start + CHUNK, lanes))
@@ -172,7 +175,11 @@ def decision_shapes(program: Program, function: Function) -> dict[str, int | Non
 def _lanes(function: Function, arrays: Mapping[str, Ints]) -> int:
     sizes: set[int] = set()
     for port in function.inputs:
-        names = [port.name] if not isinstance(port, ListPort) else [f"{port.name}.{f.name}" for f in port.fields] + [f"{port.name}.count"]
+        names = (
+            [port.name]
+            if not isinstance(port, ListPort)
+            else [f"{port.name}.{f.name}" for f in port.fields] + [f"{port.name}.count"]
+        )
         for name in names:
             if name not in arrays:
                 raise KeyError(f"no values for the signal {name!r}")
@@ -319,7 +326,10 @@ class _Frame:
     def call(self, stmt: CallFunction, mask: Bools | None) -> None:
         callee = self.program.function(stmt.callee)
         ports = [p.name for p in callee.inputs]
-        given = {p: np.array(np.broadcast_to(self.value(a), (self.n,)), dtype=np.int64) for p, a in zip(ports, stmt.arguments, strict=True)}
+        given = {
+            p: np.array(np.broadcast_to(self.value(a), (self.n,)), dtype=np.int64)
+            for p, a in zip(ports, stmt.arguments, strict=True)
+        }
         prefix = f"{stmt.state}." if stmt.state is not None else ""
         state = {k[len(prefix) :]: v for k, v in self.state.items() if k.startswith(prefix)} if prefix else {}
         frame = _Frame(self.program, callee, self.n, given, state, self.record, self.checked)

@@ -94,9 +94,7 @@ class _Group:
         return self.sets[0]
 
 
-def centroid(
-    output: Output, levels: str, scope: Scope
-) -> tuple[list[Stmt], Expr, list[Table], CentroidNumbers]:
+def centroid(output: Output, levels: str, scope: Scope) -> tuple[list[Stmt], Expr, list[Table], CentroidNumbers]:
     """Statements, the output's raw, tables and numbers, from the array ``levels`` of clip heights (Q15, a slot a term).
 
     Raises TooManySets.
@@ -231,9 +229,7 @@ def _accumulate(total: Local, value: Expr) -> Stmt:
     return Assign(total, build.add_bounded(total, value, build.UINT32_MAX))
 
 
-def _weight(
-    integers: list[int], counter: Local, single: bool, scope: Scope, name: str, tables: list[Table]
-) -> Expr:
+def _weight(integers: list[int], counter: Local, single: bool, scope: Scope, name: str, tables: list[Table]) -> Expr:
     if single:
         return Const(integers[0])
     step = integers[1] - integers[0]
@@ -273,9 +269,7 @@ def _integer_pieces(form: ClippedSet, scale: _Scale) -> list[_IntegerPiece]:
         moment: Horner | None = None
         if form.moment_sign:
             v0, v1, v2 = p.first
-            base = (
-                p.moment + v0 * (c - p.start) + v1 * (c**2 - p.start**2) / 2 + v2 * (c**3 - p.start**3) / 3
-            )
+            base = p.moment + v0 * (c - p.start) + v1 * (c**2 - p.start**2) / 2 + v2 * (c**3 - p.start**3) / 3
             poly = (v0 + v1 * c + v2 * c * c, (v1 + 2 * v2 * c) / 2, v2 / 3)
             moment = fit(base, poly, end - start, moments)
         pieces.append(_IntegerPiece(start, fit(area, area_poly, end - start, scale.area), moment))
@@ -296,7 +290,9 @@ def _evaluated(
     moment_unit = unit * (scale.weight_denominator if scale.exact else 1)
     slack = 2.0**-44  # float64 evaluation of the closed form: under 2**8 roundings of values below 1
     area_error = np.abs(areas / unit - exact_area) + slack
-    moment_error = np.abs(moments / moment_unit - exact_moment) + slack if moment is not None else np.zeros_like(exact_area)
+    moment_error = (
+        np.abs(moments / moment_unit - exact_moment) + slack if moment is not None else np.zeros_like(exact_area)
+    )
     return steps, area, moment, (area_error, moment_error)
 
 

@@ -105,6 +105,7 @@ def _strong(
         body.append(Define(first, Const(0), False))
     worst = Fraction(0)
     chain: tuple[Stmt, ...] = ()
+    lowest = 0
     for k in range(last, -1, -1):
         low, high = places[k], places[k + 1]
         start = max(0, math.ceil(low))
@@ -118,13 +119,14 @@ def _strong(
         worst = max(worst, line.error)
         steps: list[Stmt] = [Assign(first, Const(k))] if k else []
         steps += _piece(line, at, start, end, straight, degree, scope, item.name)
-        if k == 0 and math.ceil(low) > 0:
-            steps = [Branch(build.compare(">=", at, Const(start)), tuple(steps))]
+        lowest = start
         test = build.compare("<", at, Const(math.ceil(high)))
         if not chain or build.always(test):
             chain = tuple(steps)
         else:
             chain = (Branch(test, tuple(steps), chain),)
+    if lowest:
+        chain = (Branch(build.compare(">=", at, Const(lowest)), chain),)
     body.extend(chain)
     index: Expr = first if last else Const(0)
     array = scope.name(f"{item.name}_mu")

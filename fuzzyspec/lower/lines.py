@@ -36,6 +36,8 @@ class Line:
 
     def expr(self, u: Expr) -> Expr:
         """The line at ``u``, an atom with ``0 <= u <= length``."""
+        if self.length == 0:
+            return Const(self.offset >> self.shift)
         step = build.mul(u, Const(self.slope))
         if self.falling:
             value = build.sub_guarded(Const(self.offset), step, self.offset)

@@ -44,7 +44,11 @@ def mean_to_raw(variable: Variable, moment: Expr, area: Expr, scope: Scope) -> t
     m = math.floor(span * 2**shift / QUOTIENT_ONE + HALF)
     # The quotient is floored: half its step is added back. The multiplier's rounding drifts over t; half of that is too.
     drift = m * QUOTIENT_ONE - span * 2**shift
-    offset = math.floor((low + HALF) * 2**shift + Fraction(m, 2) - drift / 2 + HALF) if shift else math.floor(low + HALF + Fraction(m, 2))
+    offset = (
+        math.floor((low + HALF) * 2**shift + Fraction(m, 2) - drift / 2 + HALF)
+        if shift
+        else math.floor(low + HALF + Fraction(m, 2))
+    )
     offset = min(offset, build.UINT32_MAX - m * QUOTIENT_ONE)
     scaled = build.mul(t, Const(m))
     if offset < 0:

@@ -91,9 +91,7 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     return Lowered(Program(module.name, tuple(functions.values())), certificates)
 
 
-def _of_controller(
-    controller: Controller, numbers: ControllerNumbers, effort: Effort, options: Options
-) -> Certificate:
+def _of_controller(controller: Controller, numbers: ControllerNumbers, effort: Effort, options: Options) -> Certificate:
     bounds = bound_controller(numbers, (Fraction(0),) * len(controller.inputs), effort)
     outputs = tuple(
         _output(o.name, o.variable, bounds.errors[o.name], bounds.reasons[o.name]) for o in controller.outputs

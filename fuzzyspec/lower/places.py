@@ -62,7 +62,8 @@ def place(arithmetic: Arithmetic, value: Scaled, variable: Variable, name: str) 
         u = build.least(u, Const(end - start))
     p0 += beta * start
     counted, error = arithmetic.scale(arithmetic.bind(u, f"{name}_up") if not u.lo == u.hi else u, beta, p0, name)
-    counted = build.least(arithmetic.bind(counted, f"{name}_raw"), Const(counts))
+    counted = build.greatest(arithmetic.bind(counted, f"{name}_near"), Const(0))
+    counted = build.least(arithmetic.bind(counted, f"{name}_near"), Const(counts))
     error = max(error + carried, sliver)
     return Placed(build.add(counted, Const(raw.lo)), error * abs(raw.step), _outside(i, value, variable))
 

@@ -12,9 +12,7 @@ from fuzzyspec.lower.scaled import Arithmetic, Scaled, constant
 QUOTIENT_ONE = 1 << 16
 
 
-def divide(
-    arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction] | None, name: str
-) -> Scaled:
+def divide(arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction] | None, name: str) -> Scaled:
     """``x / y`` saturated into a range (docs/numbers.md, lemma "quotient").
 
     With ``t = (x/y - lo) / (hi - lo)`` the program computes ``(x - lo y) / ((hi - lo) y)``, numerator and divisor exact in

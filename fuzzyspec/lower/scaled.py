@@ -105,7 +105,11 @@ class Arithmetic:
         if (value.step / step).denominator == 1 and ((value.offset - offset) / step).denominator == 1:
             return value
         # From the value's own low end, so that what is scaled is unsigned.
-        up = build.sub(value.expr, Const(value.expr.lo)) if value.step > 0 else build.sub(Const(value.expr.hi), value.expr)
+        up = (
+            build.sub(value.expr, Const(value.expr.lo))
+            if value.step > 0
+            else build.sub(Const(value.expr.hi), value.expr)
+        )
         low = min(value.lo, value.hi)
         base = math.floor((low - offset) / step)
         rest = (low - offset) / step - base
@@ -119,7 +123,16 @@ class Arithmetic:
         Multiplier and divisor are the ratio's own where the product fits 32 bits, else its best rational approximation;
         ``u`` is shortened first where it has more bits than the result needs.
         """
+        whole = math.floor(rest)
+        if whole:
+            scaled, error = self.scale(u, ratio, rest - whole, name)
+            return build.add(self.bind(scaled, name), Const(whole)), error
         error = Fraction(0)
+        if ratio * u.hi < Fraction(1, 1024):
+            # The value hardly moves the result: its middle stands for it.
+            middle = rest + ratio * u.hi / 2
+            nearest = math.floor(middle + HALF)
+            return Const(nearest), abs(nearest - middle) + ratio * u.hi / 2
         limit = Fraction(build.UINT32_MAX)
         if u.hi * ratio.numerator + ratio.denominator * (abs(rest) + 1) > limit:
             spare = 0

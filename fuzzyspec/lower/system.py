@@ -332,9 +332,7 @@ class Lowering:
             self.nested.append((call.id, controller.name))
         self.known["call", call.id] = constant(Fraction(0))
         state = call.id if controller.holds else None
-        self.body.append(
-            CallFunction(call.id, controller.name, tuple(arguments), tuple(results), state, tuple(held))
-        )
+        self.body.append(CallFunction(call.id, controller.name, tuple(arguments), tuple(results), state, tuple(held)))
         for name, reason in bounds.reasons.items():
             self.reasons.append(f"{call.id}.{name}: {reason}")
         self.bands += [Band(f"{call.id}.{b.key}", b.what, b.width) for b in bounds.bands]
@@ -360,8 +358,6 @@ class Lowering:
         return port_of(variable)
 
 
-def lower_system(
-    system: System, functions: dict[str, Function], certify: Certify
-) -> tuple[Function, SystemNumbers]:
+def lower_system(system: System, functions: dict[str, Function], certify: Certify) -> tuple[Function, SystemNumbers]:
     """Raises RangeError where the arithmetic does not go into 32 bits."""
     return Lowering(system, functions, certify).run()

@@ -75,9 +75,7 @@ def membership(shape: Shape, lo: Fraction, hi: Fraction) -> Membership:
     groups = [[y for x, y in points if x == at] for at in xs]
     before = [g[0] for g in groups]
     after = [g[-1] for g in groups]
-    slopes = [
-        abs(b - a) / (x1 - x0) * span for x0, x1, a, b in zip(xs, xs[1:], after, before[1:], strict=False)
-    ]
+    slopes = [abs(b - a) / (x1 - x0) * span for x0, x1, a, b in zip(xs, xs[1:], after, before[1:], strict=False)]
     return Membership(
         np.array([float((x - lo) / span) for x in xs]),
         np.array([float(b) for b in before]),

@@ -43,7 +43,9 @@ class CentroidBound:
         self.level_sets = [
             level_sets(membership(t.shape, output.variable.lo, output.variable.hi), left, right) for t in output.terms
         ]
-        counts = abs(output.variable.raw.position(output.variable.hi) - output.variable.raw.position(output.variable.lo))
+        counts = abs(
+            output.variable.raw.position(output.variable.hi) - output.variable.raw.position(output.variable.lo)
+        )
         self.tail = float(numbers.tail.error / counts)
         self.fires_at = fires_at
 

@@ -49,7 +49,8 @@ def bound_controller(
     """|integer program - exact| of every output over all inputs, each input off by at most its error (in its unit)."""
     controller = numbers.controller
     relative = tuple(
-        float(e / (i.variable.hi - i.variable.lo)) * (1 + 2.0**-50) for e, i in zip(input_errors, controller.inputs, strict=True)
+        float(e / (i.variable.hi - i.variable.lo)) * (1 + 2.0**-50)
+        for e, i in zip(input_errors, controller.inputs, strict=True)
     )
     strengths = Strengths(numbers, relative)
     fires = float(numbers.fires_at)
@@ -71,7 +72,9 @@ def bound_controller(
             raw = output.variable.raw
             error = max(error, abs(raw.value(raw.nearest(output.fallback.value)) - output.fallback.value))
         errors[output.name] = error
-        reasons[output.name] = _reason(parts[o]) if bound < 1 else search.failure or _why_none(controller.outputs[o].name)
+        reasons[output.name] = (
+            _reason(parts[o]) if bound < 1 else search.failure or _why_none(controller.outputs[o].name)
+        )
     return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths))
 
 
@@ -92,7 +95,9 @@ def _bands(numbers: ControllerNumbers, strengths: Strengths) -> tuple[DecisionBa
     off = [max(float(b.off.max()) for b in row) for row in strengths.degrees(whole)]
     joined = max(off) if controller.infer.and_ == "min" else sum(off)
     cells = Fraction(joined) + numbers.cell_error if controller.cells is not None else Fraction(0)
-    spoken = Fraction(sum(off)) if controller.infer.and_ != "min" or controller.infer.or_ != "max" else Fraction(max(off))
+    spoken = (
+        Fraction(sum(off)) if controller.infer.and_ != "min" or controller.infer.or_ != "max" else Fraction(max(off))
+    )
     for error in numbers.sentence_errors:
         cells = max(cells, spoken + error)
     bands: list[DecisionBand] = []
@@ -109,9 +114,7 @@ def _bands(numbers: ControllerNumbers, strengths: Strengths) -> tuple[DecisionBa
 
 
 class _Search:
-    def __init__(
-        self, strengths: Strengths, outputs: list[CentroidBound | AverageBound], effort: Effort
-    ) -> None:
+    def __init__(self, strengths: Strengths, outputs: list[CentroidBound | AverageBound], effort: Effort) -> None:
         self.strengths = strengths
         self.outputs = outputs
         self.effort = effort
@@ -147,16 +150,19 @@ class _Search:
             total = np.concatenate([total[keep], more])
             parts = np.concatenate([parts[keep], more_parts])
             looked += len(children)
-        bounds = np.maximum(total.max(axis=0, initial=0.0), floor * CLOSE_ENOUGH) if len(total) else floor * CLOSE_ENOUGH
+        bounds = (
+            np.maximum(total.max(axis=0, initial=0.0), floor * CLOSE_ENOUGH) if len(total) else floor * CLOSE_ENOUGH
+        )
         worst = [int(total[:, o].argmax()) for o in range(len(self.outputs))] if len(total) else []
         shares = [tuple(parts[w, o]) for o, w in enumerate(worst)] or [(0.0, 0.0, 0.0)] * len(self.outputs)
         return [float(b) for b in bounds], [(float(a), float(b), float(c)) for a, b, c in shares]
 
     def _first(self) -> Boxes | None:
         cuts: list[Floats] = []
-        for terms in self.strengths.terms:
-            inner = {float(x) for m in terms for x in m.x if 0 < x < 1}
-            cuts.append(np.array([0.0, *sorted(inner), 1.0]))
+        for i, terms in enumerate(self.strengths.terms):
+            low, high = self.strengths.legal(i)
+            inner = {float(x) for m in terms for x in m.x if low < x < high}
+            cuts.append(np.array([low, *sorted(inner), high]))
         while math.prod(len(c) - 1 for c in cuts) > self.effort.first:
             i = max(range(len(cuts)), key=lambda k: len(cuts[k]))
             cuts[i] = np.concatenate([cuts[i][:-1:2], cuts[i][-1:]])
@@ -165,7 +171,8 @@ class _Search:
         boxes = Boxes(np.stack([g.ravel() for g in grids_lo], axis=1), np.stack([g.ravel() for g in grids_hi], axis=1))
         if self.strengths.controller.cells is not None:
             active = math.prod(
-                int((np.stack([b.hi for b in row], axis=1) > 0).sum(axis=1).max()) for row in self.strengths.degrees(boxes)
+                int((np.stack([b.hi for b in row], axis=1) > 0).sum(axis=1).max())
+                for row in self.strengths.degrees(boxes)
             )
             if active > self.effort.cells:
                 self.failure = f"up to {active} cells fire at once, more than the {self.effort.cells} that are followed"
@@ -175,7 +182,9 @@ class _Search:
     def _points(self, boxes: Boxes, total: Floats) -> Floats:
         """The lemma's value at the middle of the worst boxes: what no splitting gets below."""
         count = min(len(boxes), 64)
-        chosen = np.unique(np.concatenate([np.argsort(-total[:, o], kind="stable")[:count] for o in range(total.shape[1])]))
+        chosen = np.unique(
+            np.concatenate([np.argsort(-total[:, o], kind="stable")[:count] for o in range(total.shape[1])])
+        )
         middle = (boxes.lo[chosen] + boxes.hi[chosen]) / 2
         found, _ = self._evaluate(Boxes(middle, middle))
         result: Floats = found.max(axis=0)

@@ -61,20 +61,36 @@ class Strengths:
         found: list[list[Band]] = []
         for i, terms in enumerate(self.terms):
             own = float(self.numbers.degree_errors[i])
-            e = self.errors[i]
+            e = self._input_error(i, boxes)
             row: list[Band] = []
             for m in terms:
                 lo, hi = m.over(boxes.lo[:, i] - e, boxes.hi[:, i] + e)
-                if e == 0:
-                    off = np.where((hi <= 0) | (lo >= 1), 0.0, own)
-                else:
-                    moved = m.over(boxes.lo[:, i] - 2 * e, boxes.hi[:, i] + 2 * e)
-                    reach = moved[1] - moved[0]
-                    slide = reach if m.jumps else np.minimum(reach, m.steepest * e)
-                    off = np.where(reach == 0, np.where((hi <= 0) | (lo >= 1), 0.0, own), own + slide)
-                row.append(Band(lo, hi, off))
+                rounding = np.where((hi <= 0) | (lo >= 1), 0.0, own)
+                if not e.any():
+                    row.append(Band(lo, hi, rounding))
+                    continue
+                moved = m.over(boxes.lo[:, i] - 2 * e, boxes.hi[:, i] + 2 * e)
+                reach = moved[1] - moved[0]
+                slide = reach if m.jumps else np.minimum(reach, m.steepest * e)
+                slide = np.where((e == 0) | (reach == 0), 0.0, slide)
+                row.append(Band(lo, hi, rounding + slide))
             found.append(row)
         return found
+
+    def legal(self, i: int) -> tuple[float, float]:
+        """The legal raws' ends, relative to the range."""
+        v = self.controller.inputs[i].variable
+        ends = sorted((v.raw.value(v.raw.lo), v.raw.value(v.raw.hi)))
+        return float((ends[0] - v.lo) / (v.hi - v.lo)), float((ends[1] - v.lo) / (v.hi - v.lo))
+
+    def _input_error(self, i: int, boxes: Boxes) -> Floats:
+        """How far the exact input may be from the raw's value: where a raw was saturated, also by what that costs."""
+        low, high = self.legal(i)
+        slack = 2.0**-50
+        at_low = np.where(boxes.lo[:, i] <= low + slack, low, 0.0)
+        at_high = np.where(boxes.hi[:, i] >= high - slack, 1 - high, 0.0)
+        result: Floats = np.maximum(np.maximum(at_low, at_high), self.errors[i])
+        return result
 
     def levels(self, boxes: Boxes) -> list[Band]:
         """For every output the levels of its terms, arrays (B, terms)."""
@@ -90,7 +106,9 @@ class Strengths:
             band = Band(band.lo * weight, band.hi * weight, off)
             for output, term in rule.consequents:
                 fired[output].append((np.full(len(boxes), term), band))
-        return [self._aggregate(len(boxes), len(o.terms), f) for o, f in zip(self.controller.outputs, fired, strict=True)]
+        return [
+            self._aggregate(len(boxes), len(o.terms), f) for o, f in zip(self.controller.outputs, fired, strict=True)
+        ]
 
     def _aggregate(self, n: int, terms: int, fired: list[tuple[Ints, Band]]) -> Band:
         lo, hi, off = np.zeros((n, terms + 1)), np.zeros((n, terms + 1)), np.zeros((n, terms + 1))
@@ -131,7 +149,10 @@ class Strengths:
                     for j in range(max(active, 1))
                 ]
             )
-        tables = [np.array([len(o.terms) if t < 0 else t for t in c]) for o, c in zip(self.controller.outputs, cells.consequents, strict=True)]
+        tables = [
+            np.array([len(o.terms) if t < 0 else t for t in c])
+            for o, c in zip(self.controller.outputs, cells.consequents, strict=True)
+        ]
         for combination in itertools.product(*slots):
             index = np.zeros(n, dtype=np.int64)
             for size, (term, _) in zip(cells.shape, combination, strict=True):
