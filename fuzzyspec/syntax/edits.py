@@ -170,7 +170,7 @@ def _closes_ahead(reading: Reading, at: int, opener: str) -> bool:
     depth = 0
     for i in range(at, min(at + 24, len(reading.tokens))):
         token = reading.tokens[i]
-        if token.first and i > at:
+        if (token.first and i > at) or (token.kind in OPENERS and i == at):
             return False
         depth += (token.kind in CLOSERS) - (token.kind in OPENERS)
         if depth < 0:
@@ -290,9 +290,7 @@ def _dropped(reading: Reading, at: int) -> Iterator[Edit]:
         return
     open_kinds = [c.symbol for c in opened(stack_at(reading, at))]
     if token.kind in OPENERS and OPENERS[token.kind] not in open_kinds:
-        opener = reading.table.texts[OPENERS[token.kind]]
-        told = Diagnostic("FZ106", f"this `{token.text}` closes nothing", token.span, f"no `{opener}` is open here")
-        yield Edit(at, told, 1.5, (), 1)
+        yield Edit(at, unexpected(reading, at), 1.5, (), 1)
         return
     told = unexpected(reading, at)
     yield Edit(at, told, 5.0 if token.kind in OPENERS or token.kind in CLOSERS else 2.5, (), 1)

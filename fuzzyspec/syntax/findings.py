@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Source, Span
 from fuzzyspec.syntax import wording
 from fuzzyspec.syntax.machine import CLOSERS, Cell, advance, opened, viable
-from fuzzyspec.syntax.reading import BEGINS, Reading, gap, indent, place, stack_at
+from fuzzyspec.syntax.reading import BEGINS, OPENERS, Reading, gap, indent, place, stack_at
 from fuzzyspec.syntax.tokens import END, Token
 
 _CHOICE = "a choice reads `a if TEST else b`"
@@ -44,6 +44,9 @@ def unexpected(reading: Reading, at: int) -> Diagnostic:
     kind = reading.table.keywords.get(token.text, "") if token.kind == "WORD" else ""
     if kind in HOMES and viable(reading.table, cell) & BEGINS and advance(reading.table, cell, token) is None:
         return _misplaced(reading, at)
+    if token.kind in OPENERS and OPENERS[token.kind] not in [c.symbol for c in opened(cell)]:
+        opener = reading.table.texts[OPENERS[token.kind]]
+        return Diagnostic("FZ106", f"this `{token.text}` closes nothing", token.span, f"no `{opener}` is open here")
     where = place(reading, at)
     return Diagnostic(
         "FZ101",
@@ -116,7 +119,7 @@ def _hint(reading: Reading, at: int) -> str | None:
     before = reading.tokens[at - 1] if at else None
     block = wording.block(opened(cell))
     match cell.symbol, token.kind, token.text:
-        case _, "NUMBER", _ if three := decimal_comma(reading.tokens, at):
+        case _, "NUMBER" | "COMMA", _ if three := decimal_comma(reading.tokens, at):
             return three
         case _, _, "where":
             return "a condition in a fold begins with `if`"

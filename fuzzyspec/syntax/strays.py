@@ -65,7 +65,7 @@ def find(text: str, at: int, after_number: bool) -> Stray:
         return Stray(at + 2, "`°C` is not spelt so", "write `degC`", "degC")
     for length in (2, 1):
         mark = text[at : at + length]
-        if mark in _MEANT:
+        if len(mark) == length and mark in _MEANT:
             means = _MEANT[mark]
             if means in ("deg", "degC") and not after_number:
                 means = ""

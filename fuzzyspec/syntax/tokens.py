@@ -45,7 +45,7 @@ _SPACE = re.compile(r"[ \t\r\n\f]+|#[^\n]*")
 _NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)?")
 _ODD_NUMBER = re.compile(
     r"0[xXbBoO][0-9A-Fa-f]+\b"  # another base
-    r"|(?:[0-9]+\.?[0-9]*|\.[0-9]+)[eE][+-]?[0-9]+"  # an exponent
+    r"|(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)[eE][+-]?[0-9]+"  # an exponent
     r"|[0-9]+(?:[_'][0-9]+)+(?:\.[0-9]+)?"  # digit groups
     r"|[0-9]+(?:\.[0-9]+){2,}"
     r"|[0-9]+\.(?![.0-9])"

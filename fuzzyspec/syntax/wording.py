@@ -54,7 +54,8 @@ _BLOCKS = {
     "RULES": "`rules`",
     "INFER": "`infer`",
     "EACH": "a `for each`",
-    "names": "the terms of a variable",
+    "INPUT": "the terms of a variable",
+    "OUTPUT": "the terms of a variable",
     "LSQB": "a list's record",
 }
 """Blocks by a symbol below their brace."""

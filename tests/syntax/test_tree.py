@@ -57,7 +57,8 @@ def shown(node: tree.Expr) -> str:
             inner = ", ".join((f"{a.name.text}=" if a.name else "") + shown(a.value) for a in arguments)
             return f"{callee.text}({inner})" + (f".{field.text}" if field else "")
         case tree.Fold(kind, body, item, over, test, fallback, _):
-            return f"{kind.text}({shown(body)} | {item.text} in {over.text}, {test and shown(test)}, {fallback and shown(fallback)})"
+            given = f"{test and shown(test)}, {fallback and shown(fallback)}"
+            return f"{kind.text}({shown(body)} | {item.text} in {over.text}, {given})"
 
 
 @pytest.mark.parametrize(
