@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from fuzzyspec.lower import Options as LowerOptions
     from fuzzyspec.model.controller import Controller
     from fuzzyspec.model.system import Module, System
+    from fuzzyspec.model.variable import Variable
     from fuzzyspec.native import NativeModule, Result
     from fuzzyspec.verify import Report, Subject
 
@@ -144,7 +145,8 @@ class Spec:
         from fuzzyspec.exact import dequantise
 
         subject = self._subject(function)
-        variables = {k: p.variable for k, p in (*subject.ports.items(), *subject.state.items())}
+        variables: dict[str, Variable | None] = {k: p.variable for k, p in subject.ports.items()}
+        variables.update({k: p.variable for k, p in subject.state.items()})
         return {
             k: np.asarray(v) if (variable := variables.get(k)) is None else dequantise(variable, v)
             for k, v in raws.items()

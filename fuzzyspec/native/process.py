@@ -79,7 +79,7 @@ class NativeProcess:
                 made, self.said = self._workspace.build(
                     self.toolchain, f"runner-{at}", (*flags, *sanitizers), runner=True
                 )
-                subprocess.run([made, "--selftest"], check=True, capture_output=True, timeout=self.seconds)
+                subprocess.run([made, "--probe"], check=True, capture_output=True, timeout=self.seconds)
             except (BuildError, subprocess.CalledProcessError, subprocess.TimeoutExpired):
                 if at + 1 == len(SANITIZERS):
                     raise

@@ -2,6 +2,7 @@
  *
  *     runner CASES RESULTS PROGRESS
  *     runner --selftest
+ *     runner --probe          (does nothing: can it be started at all?)
  *
  * CASES: uint64 words - function, n, number of lists, number of arrays in, number of arrays out - then each list's
  * width, each array's size in bytes (in, then out), then the arrays in. RESULTS: the arrays out, one after another.
@@ -75,6 +76,9 @@ int main(int argc, char **argv)
     size_t *widths, *sizes;
     void **arrays;
 
+    if (argc == 2 && strcmp(argv[1], "--probe") == 0) {
+        return 0;
+    }
     if (argc == 2 && strcmp(argv[1], "--selftest") == 0) {
         printf("%u\n", fuzzyc_selftest());
         return 0;

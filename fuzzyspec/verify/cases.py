@@ -46,14 +46,30 @@ class Batch:
 def batches(subject: Subject, seed: int, cases: int = DEFAULT_CASES) -> Iterator[Batch]:
     """Every batch for one function. ``cases`` is the number of random ones."""
     draw = Draw(subject, seed)
+    if exhaustible(subject, cases):
+        for kind, inputs in _everything(draw):
+            yield from _cut(draw, kind, inputs)
+        return
     for kind, inputs in _sets(draw, cases):
         yield from _cut(draw, kind, inputs)
     if subject.state:
         yield from _traces(draw, cases)
 
 
+def exhaustible(subject: Subject, cases: int) -> bool:
+    """Whether every input there is can be tried: no lists, no state, and few enough raws."""
+    return not subject.lists and not subject.state and math.prod(_spans(subject)) <= 4 * cases
+
+
+def _spans(subject: Subject) -> list[int]:
+    """How many raws each signal's C type has."""
+    return [high - low + 1 for low, high in (c_limits(p) for p in subject.ports.values())]
+
+
 def bulk(subject: Subject, seed: int, cases: int = DEFAULT_CASES) -> Iterator[Batch]:
-    """Ten times as many random cases, for comparing C with C."""
+    """Ten times as many random cases, for comparing C with C; none where everything was tried."""
+    if exhaustible(subject, cases):
+        return
     draw = Draw(subject, seed + 1)
     for _ in range(10):
         for kind, inputs in _random(draw, cases):
@@ -62,10 +78,17 @@ def bulk(subject: Subject, seed: int, cases: int = DEFAULT_CASES) -> Iterator[Ba
 
 def planned(subject: Subject, cases: int = DEFAULT_CASES, *, with_bulk: bool = False) -> int:
     """About how many cases ``batches`` will give (and ``bulk`` besides): for a progress bar."""
-    spans = sum(high - low + 1 for low, high in (c_limits(p) for p in subject.ports.values()))
+    if exhaustible(subject, cases):
+        return math.prod(_spans(subject))
     lists = 200 * (max((p.capacity for p in subject.lists), default=-4) + 4)
     traces = cases // 4 if subject.state else 0
-    return cases // 2 + spans * _anchors(subject, cases) + lists + traces + cases * (11 if with_bulk else 1)
+    return (
+        cases // 2
+        + sum(_spans(subject)) * _anchors(subject, cases) // _stride(subject, cases)
+        + lists
+        + traces
+        + cases * (11 if with_bulk else 1)
+    )
 
 
 def _sets(draw: Draw, cases: int) -> Iterator[tuple[str, dict[str, Raws]]]:
@@ -77,11 +100,24 @@ def _sets(draw: Draw, cases: int) -> Iterator[tuple[str, dict[str, Raws]]]:
         yield "peaks", _product(draw, {k: draw.specials[k].main for k in subject.ports}, share)
         yield from _pairs(draw, share)
         yield "ties", draw.tied(share, 0)
-    yield from _sweeps(draw, _anchors(subject, cases))
+    yield from _sweeps(draw, _anchors(subject, cases), _stride(subject, cases))
     yield from _random(draw, cases)
 
 
 # --- without lists ---------------------------------------------------------------------------
+
+
+def _everything(draw: Draw) -> Iterator[tuple[str, dict[str, Raws]]]:
+    """Every input of a function, in pieces."""
+    limits = {k: c_limits(p) for k, p in draw.subject.ports.items()}
+    total = math.prod(_spans(draw.subject))
+    for start in range(0, total, BATCH):
+        flat = np.arange(start, min(start + BATCH, total))
+        found: dict[str, Raws] = {}
+        for key, (low, high) in limits.items():
+            found[key] = low + flat % (high - low + 1)
+            flat = flat // (high - low + 1)
+        yield "every input", found
 
 
 def _product(draw: Draw, choices: Mapping[str, Raws], most: int) -> dict[str, Raws]:
@@ -110,17 +146,21 @@ def _pairs(draw: Draw, most: int) -> Iterator[tuple[str, dict[str, Raws]]]:
 
 def _anchors(subject: Subject, cases: int) -> int:
     """Sweeps of each signal, so that all of them together come to about twice the random cases; at least two."""
-    spans = sum(high - low + 1 for low, high in (c_limits(p) for p in subject.ports.values()))
-    return max(2, min(64, 2 * cases // max(spans, 1)))
+    return max(2, min(64, 2 * cases // max(sum(_spans(subject)), 1)))
 
 
-def _sweeps(draw: Draw, anchors: int) -> Iterator[tuple[str, dict[str, Raws]]]:
+def _stride(subject: Subject, cases: int) -> int:
+    """1 for whole sweeps, more where so few cases are asked for that two of them would be over four times as many."""
+    return max(1, 2 * sum(_spans(subject)) // max(4 * cases, 1))
+
+
+def _sweeps(draw: Draw, anchors: int, stride: int) -> Iterator[tuple[str, dict[str, Raws]]]:
     """Every raw of one signal, the others fixed at an anchor; lists hold one element."""
     subject = draw.subject
     for key, port in subject.ports.items():
         low, high = c_limits(port)
-        span = high - low + 1
-        raws = np.arange(low, high + 1, dtype=np.int64)
+        raws = np.arange(low, high + 1, stride, dtype=np.int64)
+        span = len(raws)
         for anchor in range(anchors):
             how = "main" if anchor % 2 == 0 else "legal"
             fixed = draw.case_of(1, 1, how)
