@@ -71,9 +71,7 @@ def _parts(cases: int) -> Iterator[slice]:
         yield slice(start, start + _CHUNK)
 
 
-def _chunk(
-    controller: Controller, values: list[Floats], taken: dict[str, Ints], held: dict[str, Floats]
-) -> Exact:
+def _chunk(controller: Controller, values: list[Floats], taken: dict[str, Ints], held: dict[str, Floats]) -> Exact:
     cases = len(values[0])
     rules = _Rules(controller, cases)
     for rule in fired(controller, values):
@@ -124,9 +122,7 @@ class _Rules:
         self._has_owners = bool(controller.behaviors)
         self._summed = [Levels(size, cases, "sum") for size in sizes] if self._infer.aggregate == "sum" else []
         # clipping each rule's set and adding them up is not a matter of one level a term
-        self._by_rule = self._infer == Inference(
-            self._infer.and_, self._infer.or_, "min", "sum", "centroid"
-        )
+        self._by_rule = self._infer == Inference(self._infer.and_, self._infer.or_, "min", "sum", "centroid")
         self._area = np.zeros((len(sizes), cases))
         self._moment = np.zeros((len(sizes), cases))
 

@@ -47,9 +47,7 @@ def _tables(cells: CellRules) -> tuple[Ints, Ints]:
     return terms, np.array(cells.owner, dtype=np.int64)
 
 
-def _cells(
-    controller: Controller, cells: CellRules, values: list[Floats], inputs: list[Floats]
-) -> Iterator[Fired]:
+def _cells(controller: Controller, cells: CellRules, values: list[Floats], inputs: list[Floats]) -> Iterator[Fired]:
     """One ``Fired`` for each way to pick an active term of every input; cells beside these have strength 0."""
     consequents, owners = _tables(cells)
     lanes = np.arange(len(values[0]))

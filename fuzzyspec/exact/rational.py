@@ -246,9 +246,7 @@ def _line(function: object, a: Fraction, b: Fraction) -> tuple[Fraction, Fractio
     return p - slope * third, slope
 
 
-def _decide_acting(
-    controller: Controller, rules: Sequence[_Rule], given: Mapping[str, int], point: Point
-) -> None:
+def _decide_acting(controller: Controller, rules: Sequence[_Rule], given: Mapping[str, int], point: Point) -> None:
     best = {b.code: ZERO for b in controller.behaviors}
     for _, strength, owner in rules:
         if owner:
@@ -260,6 +258,4 @@ def _decide_acting(
     taken = _told(given, "acting", code)
     point.decisions["acting"] = code
     point.acting = taken
-    point.margins["acting"] = (
-        distance[taken] if taken != code else min(d for c, d in distance.items() if c != code)
-    )
+    point.margins["acting"] = distance[taken] if taken != code else min(d for c, d in distance.items() if c != code)

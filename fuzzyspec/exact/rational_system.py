@@ -161,12 +161,9 @@ class _Step:
     def _call(self, call: Call, at: Element) -> Point:
         prefix = f"{call.id}."
         arguments = {
-            i.name: self.put(a, i.variable, at)
-            for i, a in zip(call.controller.inputs, call.arguments, strict=True)
+            i.name: self.put(a, i.variable, at) for i, a in zip(call.controller.inputs, call.arguments, strict=True)
         }
-        told = {
-            key.removeprefix(prefix): self._told(key, at) for key in self._given if key.startswith(prefix)
-        }
+        told = {key.removeprefix(prefix): self._told(key, at) for key in self._given if key.startswith(prefix)}
         held = {k.removeprefix(prefix): v for k, v in self._held.items() if k.startswith(prefix)}
         point = controller_point(call.controller, arguments, told, held)
         for key, decision in point.decisions.items():

@@ -12,6 +12,7 @@ envelope    left + t rise (or that times the level): six u times the level's siz
             puts the trapezoid off by (change of slope) dt, at most 8 u H. Together 16 u H beyond the level's error.
 area        a stretch of width w between P places: P additions and ten more operations on what is at most H w; then the
             sum over n stretches (over R rules again for clipped sums).
+inputs      where an input is itself off by e, its degrees are by slope e more.
 centroid    (M + dM) / (A + dA) - M / A, with M / A <= W the width: (dM + W dA) / (A - dA); one quotient, one
             addition of the low end, both rounded.
 """
@@ -19,6 +20,7 @@ centroid    (M + dM) / (A + dA) - M / A, with M / A <= W the width: (dM + W dA) 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from fractions import Fraction
 
 from fuzzyspec.exact import Point
@@ -28,31 +30,36 @@ from fuzzyspec.model.term import PiecewiseLinear
 U = Fraction(1, 2**53)
 
 
-def degree_error(inp: Input) -> Fraction:
-    """Of any degree of an input's terms."""
-    worst = Fraction(0)
+NOTHING: Mapping[str, Fraction] = {}
+
+
+def degree_error(inp: Input, inputs: Mapping[str, Fraction] = NOTHING) -> Fraction:
+    """Of any degree of an input's terms; ``inputs`` gives the errors of those that are off themselves."""
+    worst = steepest = Fraction(0)
     for term in inp.terms:
         if isinstance(term.shape, PiecewiseLinear):
             for (x0, y0), (x1, y1) in itertools.pairwise(term.shape.points):
                 if x1 > x0:
-                    worst = max(worst, abs((y1 - y0) / (x1 - x0)) * max(abs(x0), abs(x1)))
-    return U * (2 * worst + 8)
+                    slope = abs((y1 - y0) / (x1 - x0))
+                steepest = max(steepest, slope)
+                worst = max(worst, slope * max(abs(x0), abs(x1)))
+    return U * (2 * worst + 8) + steepest * inputs.get(inp.name, Fraction(0))
 
 
-def _truth_error(antecedent: Antecedent, of: Controller) -> Fraction:
+def _truth_error(antecedent: Antecedent, of: Controller, inputs: Mapping[str, Fraction]) -> Fraction:
     match antecedent:
         case Is(number, terms):
-            return len(terms) * (degree_error(of.inputs[number]) + 4 * U)
+            return len(terms) * (degree_error(of.inputs[number], inputs) + 4 * U)
         case Not(operand):
-            return _truth_error(operand, of) + U
+            return _truth_error(operand, of, inputs) + U
         case And(operands) | Or(operands):
-            return sum((_truth_error(o, of) + 4 * U for o in operands), Fraction(0))
+            return sum((_truth_error(o, of, inputs) + 4 * U for o in operands), Fraction(0))
 
 
-def strength_error(of: Controller) -> Fraction:
+def strength_error(of: Controller, inputs: Mapping[str, Fraction] = NOTHING) -> Fraction:
     """Of any rule's strength."""
-    cells = sum((degree_error(i) + U for i in of.inputs), Fraction(0)) if of.cells else Fraction(0)
-    return max([cells, *(_truth_error(r.antecedent, of) + 2 * U for r in of.sentences)])
+    cells = sum((degree_error(i, inputs) + U for i in of.inputs), Fraction(0)) if of.cells else Fraction(0)
+    return max([cells, *(_truth_error(r.antecedent, of, inputs) + 2 * U for r in of.sentences)])
 
 
 def _rules(of: Controller, output: int) -> int:
@@ -60,14 +67,16 @@ def _rules(of: Controller, output: int) -> int:
     return cells + sum(1 for r in of.sentences for o, _ in r.consequents if o == output)
 
 
-def output_error(of: Controller, output: Output, point: Point) -> Fraction | None:
+def output_error(
+    of: Controller, output: Output, point: Point, inputs: Mapping[str, Fraction] = NOTHING
+) -> Fraction | None:
     """Of an output at a point, None where the area is too small for any bound."""
     area = point.areas[output.name]
     if area == 0 and not point.decisions.get(f"fires.{output.name}", 1):
         return U * abs(point.outputs[output.name])  # a constant, rounded
     number, terms = of.outputs.index(output), len(output.terms)
     rules = _rules(of, number) if of.infer.aggregate == "sum" else 1
-    level = rules * (strength_error(of) + rules * U)
+    level = rules * (strength_error(of, inputs) + rules * U)
     width = output.integrate_hi - output.integrate_lo
     if of.infer.defuzzify == "weighted_average":
         area_error = terms * (level + (terms + 3) * rules * U)
