@@ -4,27 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from fractions import Fraction
 from typing import Literal
 
 from fuzzyspec.check.arithmetic import Value, common_dims, fitted
+from fuzzyspec.check.constants import LARGEST
 from fuzzyspec.check.controller import CheckedController
-from fuzzyspec.check.expressions import FOLDS, Expressions
+from fuzzyspec.check.expressions import FOLDS, NOWHERE, Expressions
 from fuzzyspec.check.findings import Findings
-from fuzzyspec.check.names import Blanks
 from fuzzyspec.check.order import Key
+from fuzzyspec.check.quantities import interval
 from fuzzyspec.check.scope import Context, List, Record, SystemScope
 from fuzzyspec.check.similar import hint, listing
-from fuzzyspec.check.units import Units
+from fuzzyspec.check.units import Units, coherent
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Span
-from fuzzyspec.model.interval import Interval, range_of
+from fuzzyspec.model.interval import range_of
 from fuzzyspec.model.system import Call, Expr, Fold
 from fuzzyspec.model.units import Unit
 from fuzzyspec.model.variable import Variable
 from fuzzyspec.syntax import tree
-
-NOWHERE: Interval = (Fraction(0), Fraction(0))
-"""The place of a value that is looked at for its own faults only, because where it should go is wrong itself."""
 
 
 class Calls(SystemScope):
@@ -35,10 +32,9 @@ class Calls(SystemScope):
         controllers: Mapping[str, CheckedController],
         units: Units,
         findings: Findings,
-        blanks: Blanks,
         later: Mapping[Key, Span],
     ) -> None:
-        super().__init__(controllers, findings, blanks, later)
+        super().__init__(controllers, findings, later)
         self.units = units
         self.findings = findings
         self.returned: dict[tuple[str, str], Variable] = {}
@@ -46,6 +42,20 @@ class Calls(SystemScope):
 
     def expressions(self) -> Expressions:
         return Expressions(self, self.units, self.findings)
+
+    def in_proportion(self, value: Value, span: Span) -> bool:
+        """Whether a value stays within bounds that arithmetic can serve; reports it where not."""
+        lo, hi = self.intervals.of(value.expr)
+        if max(-lo, hi) <= LARGEST:
+            return True
+        self._say(
+            "FZ443",
+            "this can be larger than 10^18",
+            span,
+            f"ranges over {interval(lo, hi, coherent(value.dims))}",
+            "`clamp` what grows",
+        )
+        return False
 
     # --- calls -------------------------------------------------------------------------------
 

@@ -9,7 +9,6 @@ from fractions import Fraction
 from fuzzyspec.check.arithmetic import Value
 from fuzzyspec.check.expressions import Expressions
 from fuzzyspec.check.findings import Findings
-from fuzzyspec.check.names import Blanks
 from fuzzyspec.check.similar import hint
 from fuzzyspec.check.units import Units, describe
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
@@ -27,7 +26,6 @@ class Constants:
 
     units: Units
     findings: Findings
-    blanks: Blanks
     params: Mapping[str, Value | None] = field(default_factory=dict)
 
     def value(self, expr: tree.Expr) -> Value | None:
@@ -111,16 +109,15 @@ class _ConstantScope:
         if len(ref.parts) > 1:
             c.not_constant(ref.span)
             return None
-        if not c.blanks.hides(name):
-            c.findings.report(
-                Diagnostic(
-                    "FZ201",
-                    f"unknown name `{name}`",
-                    ref.span,
-                    label="not a param known here",
-                    help=hint(name, c.params, "params"),
-                )
+        c.findings.report(
+            Diagnostic(
+                "FZ201",
+                f"unknown name `{name}`",
+                ref.span,
+                label="not a param known here",
+                help=hint(name, c.params, "params"),
             )
+        )
         return None
 
     def call(self, call: tree.Call) -> Value | None:

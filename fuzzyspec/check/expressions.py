@@ -38,6 +38,9 @@ from fuzzyspec.syntax import tree
 FUNCTIONS = ("min", "max", "abs", "clamp", "to_rad", "to_deg")
 FOLDS = ("max", "min", "sum", "count")
 
+NOWHERE: Interval = (Fraction(0), Fraction(0))
+"""The place of a value that is looked at for its own faults only, because where it should go is wrong itself."""
+
 _FLIPPED: dict[str, str] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 
 
@@ -279,7 +282,7 @@ class Expressions:
         name = expr.callee
         known = [*self._scope.callables(), *FUNCTIONS]
         for a in expr.arguments:
-            self.number(a.value)
+            self.number(a.value, place=NOWHERE)
         if name.text in FOLDS:
             self._report(
                 "FZ252",

@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
+from fuzzyspec.check.damage import UNKNOWN_NAMES, Damage
 from fuzzyspec.diagnostics.diagnostic import Diagnostic
 
 Report = Callable[[Diagnostic], None]
 
+_TOLD_ONCE = UNKNOWN_NAMES | {"FZ317"}
+"""Codes of which many alike have one cause: a name that is unknown everywhere, a header that fits no row."""
+
 
 class Findings:
-    """Diagnostics in the order they were found; the same one twice counts once."""
+    """Diagnostics, each counted once, without those that a syntax error may explain."""
 
-    def __init__(self) -> None:
+    def __init__(self, damage: Damage) -> None:
+        self._damage = damage
         self._found: list[Diagnostic] = []
 
     def report(self, diagnostic: Diagnostic) -> None:
+        """Take a diagnostic; the same one twice counts once."""
+        if self._damage.explains(diagnostic):
+            return
         known = any(
             d.code == diagnostic.code and d.span == diagnostic.span and d.message == diagnostic.message
             for d in self._found
@@ -29,5 +38,16 @@ class Findings:
         return sum(d.severity == "error" for d in self._found)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
-        """All of them, in the order of the text."""
-        return tuple(sorted(self._found, key=lambda d: (d.span, d.code)))
+        """All of them, in the order of the text; a name that is unknown in many places is told of once."""
+        told: dict[tuple[str, str], list[Diagnostic]] = {}
+        for d in sorted(self._found, key=lambda d: (d.span, d.code)):
+            told.setdefault((d.code, d.message) if d.code in _TOLD_ONCE else (d.code, str(len(told))), []).append(d)
+        return tuple(_first(same) for same in told.values())
+
+
+def _first(same: list[Diagnostic]) -> Diagnostic:
+    first, more = same[0], len(same) - 1
+    if not more:
+        return first
+    note = f"the same in {more} other place{'s' if more > 1 else ''}"
+    return replace(first, notes=(*first.notes, note))

@@ -7,17 +7,17 @@ from dataclasses import replace
 from fuzzyspec.check.arithmetic import Value
 from fuzzyspec.check.constants import Constants
 from fuzzyspec.check.controller import CheckedController, check_controller
+from fuzzyspec.check.damage import Damage
 from fuzzyspec.check.expressions import FOLDS, FUNCTIONS
 from fuzzyspec.check.findings import Findings
 from fuzzyspec.check.limits import check_limits
-from fuzzyspec.check.names import Blanks, Names, check_identifier, check_reserved, report_duplicate
+from fuzzyspec.check.names import Names, check_identifier, check_reserved, report_duplicate
 from fuzzyspec.check.system import check_system
 from fuzzyspec.check.units import Units
-from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Source, Span
+from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Source
 from fuzzyspec.model.system import Module, System
 from fuzzyspec.model.units import Unit
 from fuzzyspec.syntax import tree
-from fuzzyspec.syntax.tokens import MISSING
 
 RESERVED_CONTROLLERS = dict.fromkeys((*FUNCTIONS, *FOLDS), "a built-in function")
 
@@ -32,25 +32,20 @@ def check(
     The model is None where anything is an error, be it the parser's (``parse_diagnostics``, which are not repeated
     in the result). What a syntax error left out of the tree is not reported as missing.
     """
-    torn = tuple(d.span for d in parse_diagnostics if d.severity == "error")
-    findings = Findings()
-    checker = _ModuleChecker(module, findings, Blanks(source, bool(torn)), torn)
-    checked = checker.check()
-    found = findings.sorted()
-    if torn:
-        # What the parser put in for a missing word has no extent; nothing is to be said about it.
-        found = tuple(d for d in found if d.span.start < d.span.end and f"`{MISSING}`" not in d.message)
-    return (None if findings.errors or torn else checked), found
+    damage = Damage(module, source, parse_diagnostics)
+    findings = Findings(damage)
+    checked = _ModuleChecker(module, findings, damage).check()
+    return (None if findings.errors or damage else checked), findings.sorted()
 
 
 class _ModuleChecker:
-    def __init__(self, module: tree.Module, findings: Findings, blanks: Blanks, torn: tuple[Span, ...]) -> None:
+    def __init__(self, module: tree.Module, findings: Findings, damage: Damage) -> None:
         self._module = module
         self._report = findings.report
-        self._torn = torn
+        self._damage = damage
         self._params: dict[str, Value | None] = {}
         self._param_names: dict[str, tree.Name] = {}
-        self._constants = Constants(Units(), findings, blanks, self._params)
+        self._constants = Constants(Units(), findings, self._params)
         self._unit_names: dict[str, tree.Name] = {}
 
     def check(self) -> Module:
@@ -67,7 +62,7 @@ class _ModuleChecker:
                 check_identifier("controller", item.name, self._report, field=False)
                 free = check_reserved("controller", item.name, RESERVED_CONTROLLERS, self._report)
                 fresh = taken.declare("controller", item.name)
-                checked = check_controller(item, self._constants, self._is_torn(item.span))
+                checked = check_controller(item, self._constants, self._damage.tears(item.span))
                 if fresh and free:
                     controllers[item.name.text] = checked
         systems: list[System] = []
@@ -76,24 +71,21 @@ class _ModuleChecker:
                 check_identifier("system", item.name, self._report, field=False)
                 taken.declare("system", item.name)
                 systems.append(
-                    check_system(item, controllers, self._constants, self._param_names, self._is_torn(item.span))
+                    check_system(item, controllers, self._constants, self._param_names, self._damage.tears(item.span))
                 )
         name = "" if self._module.name is None else self._module.name.text
         model = Module(name, tuple(c.controller for c in controllers.values()), tuple(systems))
-        if not self._torn:
+        if not self._damage:
             functions_at = {i.name.text: i.name.span for i in self._module.items if not isinstance(i, _CONSTANT)}
             check_limits(model, functions_at, self._report)
         return model
-
-    def _is_torn(self, span: Span) -> bool:
-        return any(span.start <= t.start <= span.end or span.start <= t.end <= span.end for t in self._torn)
 
     def _head(self) -> None:
         module = self._module
         if module.name is not None:
             check_identifier("module", module.name, self._report)
         functions = [i for i in module.items if isinstance(i, tree.ControllerDecl | tree.SystemDecl)]
-        if not functions and not self._torn:
+        if not functions and not self._damage:
             self._report(
                 Diagnostic(
                     "FZ234",

@@ -1,4 +1,4 @@
-"""Declared names: duplicates, what C and the language reserve, and names lost to syntax errors."""
+"""Declared names: duplicates, and what C and the language reserve."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 
 from fuzzyspec.check.findings import Report
-from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Source, Span
+from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Span
 from fuzzyspec.syntax import tree
 
 LONGEST = 40
@@ -25,22 +25,6 @@ _CPP = """
 C_KEYWORDS = frozenset(_C.split())
 CPP_KEYWORDS = frozenset(_CPP.split())
 _STDINT = re.compile(r"u?int(_least|_fast)?\d+_t|u?int(max|ptr)_t")
-
-
-class Blanks:
-    """Names that a syntax error may have swallowed: declared in the text, missing from the tree.
-
-    While the file has syntax errors, such a name being unknown is no news.
-    """
-
-    def __init__(self, source: Source | None, broken: bool) -> None:
-        self._text = source.text if source is not None and broken else None
-
-    def hides(self, name: str) -> bool:
-        if self._text is None:
-            return False
-        words = "controller|system|module|unit|param|input|output|let|term|partition|singletons|behavior|for each"
-        return re.search(rf"\b(?:{words})\b[^\n]*\b{re.escape(name)}\b", self._text) is not None
 
 
 def report_duplicate(what: str, name: tree.Name, first: Span, report: Report, exactly: str | None = None) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fuzzyspec.check.arithmetic import Value
-from fuzzyspec.check.calls import NOWHERE, Calls
+from fuzzyspec.check.calls import Calls
+from fuzzyspec.check.expressions import NOWHERE
 from fuzzyspec.check.names import Names, check_identifier
 from fuzzyspec.check.scope import Context, Record
 from fuzzyspec.check.units import coherent
@@ -63,6 +64,8 @@ class Outputs:
             return self._ranged(item, item.range)
         value = self._scope.expressions().number(item.value)
         if value is None:
+            return None
+        if not self._scope.in_proportion(value, item.value.span):
             return None
         source = self._bare(value)
         if source is not None:

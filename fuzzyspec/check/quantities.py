@@ -10,7 +10,11 @@ from fuzzyspec.model.units import Unit
 
 def number(value: Fraction | float) -> str:
     """Six digits at most; a rational that needs more is rounded."""
-    text = f"{float(value):.6g}"
+    try:
+        text = f"{float(value):.6g}"
+    except OverflowError:
+        exact = Fraction(value)
+        text = f"{Decimal(exact.numerator) / Decimal(exact.denominator):.6g}"
     return "0" if text == "-0" else text
 
 

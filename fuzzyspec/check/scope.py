@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from fuzzyspec.check.arithmetic import Value
 from fuzzyspec.check.controller import CheckedController
 from fuzzyspec.check.findings import Findings
-from fuzzyspec.check.names import Blanks
 from fuzzyspec.check.order import Key
 from fuzzyspec.check.similar import hint
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Span
@@ -59,7 +58,6 @@ class SystemScope:
         self,
         controllers: Mapping[str, CheckedController],
         findings: Findings,
-        blanks: Blanks,
         later: Mapping[Key, Span],
     ) -> None:
         self.controllers = controllers
@@ -69,7 +67,6 @@ class SystemScope:
         self.context = Context([])
         self.read: set[Key] = set()
         self._report = findings.report
-        self._blanks = blanks
         self._later = later
         self._keys: dict[str, int] = {}
 
@@ -164,7 +161,7 @@ class SystemScope:
             return self.fields[key]
         if key in self._later:
             self._too_early(f"{ref.parts[0].text}.{part.text}", part.span, self._later[key])
-        elif not self._blanks.hides(part.text):
+        else:
             known = [name for listed, name in self.fields if listed == over]
             self._say(
                 "FZ203",
@@ -185,7 +182,7 @@ class SystemScope:
             return None
         if part.text == "acting":
             self.not_acting(record, part)
-        elif not self._blanks.hides(part.text):
+        else:
             self._say(
                 "FZ203",
                 f"controller `{record.callee.name.text}` has no output `{part.text}`",
@@ -212,8 +209,6 @@ class SystemScope:
     def _unknown(self, name: tree.Name) -> None:
         if (None, name.text) in self._later:
             self._too_early(name.text, name.span, self._later[None, name.text])
-            return
-        if self._blanks.hides(name.text):
             return
         known = [*self.entries, *self.context.items]
         if name.text in self.controllers:

@@ -65,7 +65,7 @@ class _SystemChecker:
         self._variables = Variables(self._constants)
         self._cyclic = report_cycles(decl.items, self._report)
         later = {key: span for key, (span, _, _) in definitions(decl.items).items()}
-        self._scope = Calls(controllers, constants.units, constants.findings, constants.blanks, later)
+        self._scope = Calls(controllers, constants.units, constants.findings, later)
         self._spans: dict[str, Span] = {n: name.span for n, name in file_params.items()}
         for name, value in constants.params.items():
             self._scope.entries[name] = Known(value)
@@ -214,6 +214,8 @@ class _SystemChecker:
         if found is None or isinstance(found.expr, Const | ReadInput | ReadLet | CallOutput):
             # Nothing to compute: the name is another name for what is there.
             return Known(None if found is None else replace(found, bare=False))
+        if not self._scope.in_proportion(found, item.value.span):
+            return Known(None)
         statement = Let(name.text, found.expr, item.span)
         self._scope.intervals.add_statement(statement, None)
         self._scope.context.block.append(statement)
@@ -257,6 +259,9 @@ class _SystemChecker:
         self._lets.append((key, item.target))
         if found is None or isinstance(found.expr, Const | ReadInput | ReadField | ReadLet):
             self._scope.fields[key] = None if found is None else replace(found, bare=False)
+            return
+        if not self._scope.in_proportion(found, item.value.span):
+            self._scope.fields[key] = None
             return
         statement = Let(name.text, found.expr, item.span)
         self._scope.intervals.add_statement(statement, over)

@@ -5,6 +5,7 @@ Exact rationals, conservative: a quotient or a difference of related quantities 
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import assert_never
 
@@ -82,6 +83,21 @@ def saturated(lo: Fraction | None, hi: Fraction | None, into: Interval) -> Inter
     return into[0] if lo is None else clip(lo), into[1] if hi is None else clip(hi)
 
 
+MOST_BITS = 512
+"""Denominators longer than this are shortened, outwards, lest products of products grow without end."""
+
+
+def shortened(interval: Interval) -> Interval:
+    """An interval that holds another, with ends of bounded length; short ends stay what they are."""
+    scale = 2**MOST_BITS
+    lo, hi = interval
+    if lo.denominator > scale:
+        lo = Fraction(math.floor(lo * scale), scale)
+    if hi.denominator > scale:
+        hi = Fraction(math.ceil(hi * scale), scale)
+    return lo, hi
+
+
 class Intervals:
     """What is known of a system's names; ``of`` gives an expression's interval from it."""
 
@@ -121,7 +137,7 @@ class Intervals:
         """Add a ``let`` or a call; ``over`` is the list whose loop it stands in."""
         match statement:
             case Let(name=name, value=value):
-                self._lets[name, over] = self.of(value)
+                self._lets[name, over] = shortened(self.of(value))
             case Call(id=call, controller=controller):
                 for o in controller.outputs:
                     self._outputs[call, o.name] = range_of(o.variable)
