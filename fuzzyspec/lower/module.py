@@ -11,13 +11,16 @@ from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
 from fuzzyspec.fixed.build import RangeError
 from fuzzyspec.fixed.certificate import Band, Certificate, OutputBound
 from fuzzyspec.fixed.program import Function, Program
-from fuzzyspec.lower.bounds import Effort, bound_controller
+from fuzzyspec.lower.bounds import Effort, bound_controller, means
+from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
 from fuzzyspec.lower.controller import ControllerNumbers, lower_controller
 from fuzzyspec.lower.system import CallBounds, SystemNumbers, lower_system
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import Module, System
 from fuzzyspec.model.variable import Variable
+
+Means = tuple[CentroidBound | AverageBound, ...]
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,7 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     alone, called = EFFORTS[chosen.bounds]
     functions: dict[str, Function] = {}
     numbers: dict[str, ControllerNumbers] = {}
+    prepared: dict[str, Means] = {}
     certificates: dict[str, Certificate] = {}
     problems: list[Diagnostic] = []
     for controller in module.controllers:
@@ -66,13 +70,14 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
             continue
         functions[controller.name] = function
         numbers[controller.name] = found
-        certificates[controller.name] = _of_controller(controller, found, alone, chosen)
+        prepared[controller.name] = means(found)
+        certificates[controller.name] = _of_controller(controller, found, alone, chosen, prepared[controller.name])
     cache: dict[tuple[str, tuple[Fraction, ...]], CallBounds] = {}
 
     def certify(controller: Controller, errors: tuple[Fraction, ...]) -> CallBounds:
         key = (controller.name, errors)
         if key not in cache:
-            bounds = bound_controller(numbers[controller.name], errors, called)
+            bounds = bound_controller(numbers[controller.name], errors, called, prepared[controller.name])
             cache[key] = CallBounds(bounds.errors, bounds.reasons, bounds.bands)
         return cache[key]
 
@@ -91,8 +96,10 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     return Lowered(Program(module.name, tuple(functions.values())), certificates)
 
 
-def _of_controller(controller: Controller, numbers: ControllerNumbers, effort: Effort, options: Options) -> Certificate:
-    bounds = bound_controller(numbers, (Fraction(0),) * len(controller.inputs), effort)
+def _of_controller(
+    controller: Controller, numbers: ControllerNumbers, effort: Effort, options: Options, prepared: Means
+) -> Certificate:
+    bounds = bound_controller(numbers, (Fraction(0),) * len(controller.inputs), effort, prepared)
     outputs = tuple(
         _output(o.name, o.variable, bounds.errors[o.name], bounds.reasons[o.name]) for o in controller.outputs
     )

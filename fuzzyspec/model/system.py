@@ -140,7 +140,22 @@ class Fold:
 
 
 Expr = (
-    Const | ReadInput | ReadField | ReadLet | CallOutput | Add | Sub | Mul | Neg | Div | Least | Greatest | Clamp | Abs | If | Fold
+    Const
+    | ReadInput
+    | ReadField
+    | ReadLet
+    | CallOutput
+    | Add
+    | Sub
+    | Mul
+    | Neg
+    | Div
+    | Least
+    | Greatest
+    | Clamp
+    | Abs
+    | If
+    | Fold
 )
 
 

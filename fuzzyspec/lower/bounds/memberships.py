@@ -92,26 +92,27 @@ def level_sets(m: Membership, lo: float, hi: float) -> tuple[Floats, Floats]:
 
     An empty set is the interval (0, 0); widened by SLACK otherwise.
     """
-    left, right = np.zeros(GRID + 1), np.zeros(GRID + 1)
+    height = np.arange(GRID + 1) / GRID - SLACK
+    above_zero = np.maximum(height, SLACK)
+    left, right = np.full(GRID + 1, np.inf), np.full(GRID + 1, -np.inf)
+
+    def take(where: npt.NDArray[np.bool_], a: Floats | float, b: Floats | float) -> None:
+        np.minimum(left, np.where(where, a, np.inf), out=left)
+        np.maximum(right, np.where(where, b, -np.inf), out=right)
+
     cuts = [lo, *(float(x) for x in m.x if lo < x < hi), hi]
-    segments = []
     for a, b in zip(cuts, cuts[1:], strict=False):
-        middle = np.array([a + (b - a) / 4, a + 3 * (b - a) / 4])
-        ya, yb = m._at(middle)
-        slope = (yb - ya) * 2
-        segments.append((a, b, ya - slope / 4, ya + 5 * slope / 4 - slope / 4))
-    for j in range(GRID + 1):
-        height = j / GRID - SLACK
-        ends: list[float] = []
-        for a, b, ya, yb in segments:
-            if max(ya, yb) < max(height, SLACK):
-                continue
-            if min(ya, yb) >= max(height, SLACK):
-                ends += [a, b]
-                continue
-            cross = a + (b - a) * (height - ya) / (yb - ya)
-            ends += [cross, b] if yb > ya else [a, cross]
-        ends += [float(x) for x, y in zip(m.x, m.high, strict=True) if lo <= x <= hi and y >= height]
-        if ends:
-            left[j], right[j] = min(ends) - SLACK, max(ends) + SLACK
-    return left, right
+        # The line of this piece, from two points inside it.
+        y1, y3 = m._at(np.array([a + (b - a) / 4, a + 3 * (b - a) / 4]))
+        ya, yb = y1 - (y3 - y1) / 2, y3 + (y3 - y1) / 2
+        whole = min(ya, yb) >= above_zero
+        take(whole, a, b)
+        some = ~whole & (max(ya, yb) >= above_zero)
+        if ya != yb:
+            cross = np.clip(a + (b - a) * (height - ya) / (yb - ya), a, b)
+            take(some, *((cross, b) if yb > ya else (a, cross)))
+    for x, y in zip(m.x, m.high, strict=True):
+        if lo <= x <= hi:
+            take(y >= above_zero, float(x), float(x))
+    empty = left > right
+    return np.where(empty, 0.0, left - SLACK), np.where(empty, 0.0, right + SLACK)

@@ -43,21 +43,32 @@ class ControllerBounds:
     bands: tuple[DecisionBand, ...]
 
 
+def means(numbers: ControllerNumbers) -> tuple[CentroidBound | AverageBound, ...]:
+    """What is known of each output's mean, whatever the errors of the inputs."""
+    fires = float(numbers.fires_at)
+    return tuple(
+        CentroidBound(o, n, fires) if isinstance(n, CentroidNumbers) else AverageBound(o, n, fires)
+        for o, n in zip(numbers.controller.outputs, numbers.outputs, strict=True)
+    )
+
+
 def bound_controller(
-    numbers: ControllerNumbers, input_errors: tuple[Fraction, ...], effort: Effort
+    numbers: ControllerNumbers,
+    input_errors: tuple[Fraction, ...],
+    effort: Effort,
+    prepared: tuple[CentroidBound | AverageBound, ...] | None = None,
 ) -> ControllerBounds:
-    """|integer program - exact| of every output over all inputs, each input off by at most its error (in its unit)."""
+    """|integer program - exact| of every output over all inputs, each input off by at most its error (in its unit).
+
+    ``prepared`` are the controller's :func:`means`, where it is bounded more than once.
+    """
     controller = numbers.controller
     relative = tuple(
         float(e / (i.variable.hi - i.variable.lo)) * (1 + 2.0**-50)
         for e, i in zip(input_errors, controller.inputs, strict=True)
     )
     strengths = Strengths(numbers, relative)
-    fires = float(numbers.fires_at)
-    outputs = [
-        CentroidBound(o, n, fires) if isinstance(n, CentroidNumbers) else AverageBound(o, n, fires)
-        for o, n in zip(controller.outputs, numbers.outputs, strict=True)
-    ]
+    outputs = list(means(numbers)) if prepared is None else list(prepared)
     search = _Search(strengths, outputs, effort)
     worst, parts = search.run()
     errors: dict[str, Fraction] = {}
