@@ -13,6 +13,7 @@ import sys
 from collections.abc import Sequence
 
 from fuzzyspec.cli import terminal
+from fuzzyspec.cli.intermixed import IntermixedParser
 from fuzzyspec.diagnostics.diagnostic import SpecError
 from fuzzyspec.diagnostics.refusal import Refusal
 from fuzzyspec.version import __version__
@@ -32,7 +33,7 @@ def build_parser() -> argparse.ArgumentParser:
         "70 a bug in fuzzyc",
     )
     parser.add_argument("--version", action="version", version=f"fuzzyc {__version__}")
-    subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=IntermixedParser)
     for name in COMMANDS:
         importlib.import_module(f"fuzzyspec.cli.{name}").register(subparsers)
     return parser
