@@ -1,6 +1,7 @@
 """Constructors of program expressions: each derives the interval of what it builds.
 
-They refuse, with :class:`RangeError`, whatever could leave the 32-bit type it is computed in, so range analysis is not a
+They refuse, with :class:`RangeError`, whatever could leave the 32-bit type it is computed in, so range analysis is
+not a
 later pass but the only way to make a node. Constants fold.
 """
 
@@ -74,6 +75,7 @@ def _binary(op: BinaryOp, left: Expr, right: Expr, lo: int, hi: int) -> Expr:
 
 
 def add(left: Expr, right: Expr) -> Expr:
+    """``left + right``."""
     if isinstance(left, Const) and isinstance(right, Const):
         return Const(left.value + right.value)
     if isinstance(left, Const) and left.value == 0:
@@ -87,6 +89,7 @@ def add(left: Expr, right: Expr) -> Expr:
 
 
 def sub(left: Expr, right: Expr) -> Expr:
+    """``left - right``."""
     if isinstance(right, Const):
         if right.value == 0:
             return left
@@ -110,6 +113,7 @@ def add_bounded(left: Expr, right: Expr, hi: int, lo: int = 0) -> Expr:
 
 
 def mul(left: Expr, right: Expr) -> Expr:
+    """``left * right``."""
     if isinstance(left, Const):
         left, right = right, left
     if isinstance(right, Const):
@@ -124,6 +128,7 @@ def mul(left: Expr, right: Expr) -> Expr:
 
 
 def floor_div(left: Expr, right: Expr) -> Expr:
+    """``left / right`` of a non-negative by a positive, rounded down."""
     if left.lo < 0 or right.lo < 1:
         raise RangeError("division of a negative, or by what may be 0")
     if isinstance(right, Const):
@@ -135,6 +140,7 @@ def floor_div(left: Expr, right: Expr) -> Expr:
 
 
 def shift_right(left: Expr, count: int) -> Expr:
+    """``left >> count`` of a non-negative."""
     if left.lo < 0 or not 0 <= count < 32:
         raise RangeError("shift of a negative, or by 32 and more")
     if count == 0:
@@ -145,6 +151,7 @@ def shift_right(left: Expr, count: int) -> Expr:
 
 
 def shift_left(left: Expr, count: int) -> Expr:
+    """``left << count`` of a non-negative."""
     if left.lo < 0 or not 0 <= count < 32:
         raise RangeError("shift of a negative, or by 32 and more")
     if count == 0:
@@ -160,6 +167,7 @@ def rounded_shift(left: Expr, count: int) -> Expr:
 
 
 def least(left: Expr, right: Expr) -> Expr:
+    """The smaller of two atoms."""
     if left.hi <= right.lo:
         return left
     if right.hi <= left.lo:
@@ -170,6 +178,7 @@ def least(left: Expr, right: Expr) -> Expr:
 
 
 def greatest(left: Expr, right: Expr) -> Expr:
+    """The larger of two atoms."""
     if left.lo >= right.hi:
         return left
     if right.lo >= left.hi:
@@ -192,6 +201,7 @@ def above(left: Expr, right: Expr) -> Expr:
 
 
 def select(test: Test, then: Expr, other: Expr) -> Expr:
+    """``then`` where the test holds, else ``other``; both are computed."""
     if then == other:
         return then
     _one_type(then, other)
@@ -199,18 +209,21 @@ def select(test: Test, then: Expr, other: Expr) -> Expr:
 
 
 def mul_high(left: Expr, right: Expr) -> Expr:
+    """The kernel ``floor(left * right / 2**16)``."""
     if left.lo < 0 or right.lo < 0 or right.hi > 65536 or left.hi > UINT32_MAX:
         raise RangeError("mul_high takes a uint32 and at most 65536")
     return MulHigh(left, right, (left.lo * right.lo) >> 16, (left.hi * right.hi) >> 16)
 
 
 def quotient(num: Expr, den: Expr) -> Expr:
+    """The kernel ``floor(num * 2**16 / den)``, 65536 from ``num >= den`` on."""
     if num.lo < 0 or den.lo < 0 or den.hi >= 2**31 or num.hi > UINT32_MAX:
         raise RangeError("the quotient's divisor must stay below 2**31")
     return Quotient(num, den)
 
 
 def compare(op: CompareOp, left: Expr, right: Expr) -> Test:
+    """A comparison whose two sides fit one 32-bit type."""
     if not fits((left.lo, left.hi), (right.lo, right.hi)):
         raise RangeError("the two sides of a comparison do not fit one 32-bit type")
     return Compare(op, left, right)

@@ -1,6 +1,7 @@
 """The integer program: what is run by numpy and printed as C.
 
-Every expression node carries the closed interval ``[lo, hi]`` that its value lies in for every input; the constructors in
+Every expression node carries the closed interval ``[lo, hi]`` that its value lies in for every input; the
+constructors in
 ``fixed.build`` derive it, so an intermediate that could leave 32 bits cannot be built. Arithmetic nodes are
 computed in ``uint32_t`` when neither an operand nor the result can be negative, else in ``int32_t``.
 Nothing shifts or divides a negative.
@@ -89,7 +90,8 @@ class ReadState:
 
 @dataclass(frozen=True, slots=True)
 class Binary:
-    """``/`` is floor division of non-negatives by a positive; ``>>`` and ``<<`` take non-negatives and a constant count."""
+    """``/`` is floor division of non-negatives by a positive; ``>>`` and ``<<`` take non-negatives and a constant
+    count."""
 
     op: BinaryOp
     left: Expr
@@ -301,7 +303,8 @@ class SetStatus:
 class CallFunction:
     """Call another function of the module; its decisions are recorded under ``<id>.<key>``.
 
-    ``arguments`` follow the callee's inputs and are legal raws; ``results`` are (callee output name, local that it is read
+    ``arguments`` follow the callee's inputs and are legal raws; ``results`` are (callee output name, local that it
+    is read
     into), declared by this statement. ``state`` names the callee's part of the caller's state, or None. ``held`` maps a
     status bit of the callee to the caller's bit that repeats it.
     """

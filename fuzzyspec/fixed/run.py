@@ -1,6 +1,7 @@
 """Run a program over numpy arrays: the integer model that the C must equal bit for bit.
 
-Lanes are cases. A branch runs once for all lanes under a mask; nothing here rounds, wraps or saturates but by the program's
+Lanes are cases. A branch runs once for all lanes under a mask; nothing here rounds, wraps or saturates but by the
+program's
 own nodes. int64 holds every product of two 32-bit values that a node can make.
 """
 
@@ -66,7 +67,8 @@ CHUNK = 1 << 14
 class Run:
     """``outputs``, ``state``: name to (N,) raws; ``status``: (N,); ``decisions``: key to (N,) or (N, capacity).
 
-    State of a nested call is named ``<call>.<output>``. A decision that was not taken (an element beyond the count) is -1.
+    State of a nested call is named ``<call>.<output>``. A decision that was not taken (an element beyond the
+    count) is -1.
     """
 
     outputs: dict[str, Ints]

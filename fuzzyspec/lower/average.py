@@ -21,7 +21,8 @@ MAX_DENOMINATOR = 64
 
 @dataclass(frozen=True)
 class AverageNumbers:
-    """``places`` are relative to the range; ``weight_error`` bounds their rounding, ``product_error`` the sums' (in levels)."""
+    """``places`` are relative to the range; ``weight_error`` bounds their rounding, ``product_error`` the sums'
+    (in levels)."""
 
     places: tuple[Fraction, ...]
     weight_error: float

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -54,7 +55,8 @@ Floats = npt.NDArray[np.float64]
 class SetNumbers:
     """One set's integer evaluation against its closed form, by exhaustion over all 32,769 clip heights.
 
-    ``area_error[c]`` and ``moment_error[c]`` bound |integer - exact| at clip height c / 2**15, in units of relative position
+    ``area_error[c]`` and ``moment_error[c]`` bound |integer - exact| at clip height c / 2**15, in units of
+    relative position
     (area) and its product with it (moment). ``weight_error`` bounds the rounding of the reference.
     """
 
@@ -233,7 +235,7 @@ def _weight(integers: list[int], counter: Local, single: bool, scope: Scope, nam
     if single:
         return Const(integers[0])
     step = integers[1] - integers[0]
-    if step >= 0 and all(b - a == step for a, b in zip(integers, integers[1:], strict=False)):
+    if step >= 0 and all(b - a == step for a, b in pairwise(integers)):
         return build.add(build.mul(counter, Const(step)), Const(integers[0]))
     ctype = build.smallest_type(0, max(integers))
     table = Table(scope.name(f"{name}_weight"), ctype, tuple(integers))

@@ -1,9 +1,11 @@
 """Closed forms of clipped sets: area and moment as polynomials of the clip height alone.
 
 For a set S of terms with common support let ``h = min of their memberships``. The set clipped at c has the area
-``F(c) = integral of min(h, c)`` and, about a reference r, the moment ``H(c) = integral of (t - r) min(h, c)``. Their derivatives
+``F(c) = integral of min(h, c)`` and, about a reference r, the moment ``H(c) = integral of (t - r) min(h, c)``.
+Their derivatives
 are the width and first moment of the level set ``{h > c}``, which for piecewise-linear terms are a piecewise linear and
-a piecewise quadratic polynomial of c: so F is piecewise quadratic and H piecewise cubic. The union of all clipped terms is
+a piecewise quadratic polynomial of c: so F is piecewise quadratic and H piecewise cubic. The union of all clipped
+terms is
 the sum over S of ``(-1)**(|S|+1)`` times these (inclusion-exclusion), each S clipped at the smallest of its heights.
 
 Positions t are relative to the output's range: 0 at its low end, 1 at its high end.
@@ -14,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from itertools import pairwise
 
 from fuzzyspec.model.controller import Output
 from fuzzyspec.model.term import PiecewiseLinear
@@ -31,7 +34,8 @@ class TooManySets(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """On ``start <= c <= end`` the coefficients of the width (linear) and first moment about r (quadratic), by powers of c.
+    """On ``start <= c <= end`` the coefficients of the width (linear) and first moment about r (quadratic), by
+    powers of c.
 
     ``area`` and ``moment`` are F and H at ``start``.
     """
@@ -94,7 +98,7 @@ def _segments(output: Output, k: int) -> tuple[Segment, ...]:
     points = [((x - lo) / span, y) for x, y in shape.points]
     chain = [(min(left, points[0][0]) - 1, points[0][1]), *points, (max(right, points[-1][0]) + 1, points[-1][1])]
     pieces: list[Segment] = []
-    for (x0, y0), (x1, y1) in zip(chain, chain[1:], strict=False):
+    for (x0, y0), (x1, y1) in pairwise(chain):
         a, b = max(x0, left), min(x1, right)
         if a < b:
             slope = (y1 - y0) / (x1 - x0)
@@ -107,7 +111,7 @@ def minimum(one: tuple[Segment, ...], two: tuple[Segment, ...]) -> tuple[Segment
     cuts = sorted({s[0] for s in one} | {s[1] for s in one} | {s[0] for s in two} | {s[1] for s in two})
     result: list[Segment] = []
     i = j = 0
-    for a, b in zip(cuts, cuts[1:], strict=False):
+    for a, b in pairwise(cuts):
         while one[i][1] <= a:
             i += 1
         while two[j][1] <= a:
@@ -134,7 +138,7 @@ def _clipped(members: tuple[int, ...], segments: tuple[Segment, ...]) -> Clipped
     levels = sorted({Fraction(0)} | {y for s in segments for y in s[2:] if y > 0})
     support = [s for s in segments if max(s[2], s[3]) > 0]
     sign = 1 if len(members) % 2 else -1
-    raw = [_level_set(support, a, b) for a, b in zip(levels, levels[1:], strict=False)]
+    raw = [_level_set(support, a, b) for a, b in pairwise(levels)]
     centre = _centre(raw)
     if centre is not None:
         reference, moment_sign = centre, 0

@@ -54,6 +54,7 @@ class ControllerNumbers:
 
 
 def port_of(variable: Variable) -> Port:
+    """The port that carries a variable."""
     raw = variable.raw
     return Port(variable.name, raw.ctype, raw.lo, raw.hi, variable)
 
@@ -88,6 +89,7 @@ def lower_controller(controller: Controller) -> tuple[Function, ControllerNumber
         if low < variable.raw.lo or high > variable.raw.hi:
             status.append(StatusBit(bit, f"{variable.name} was outside its range and was saturated"))
         given = ReadPort(variable.name, variable.raw.ctype, low, high)
+        body.append(Comment(f"{item.name}: degrees of {', '.join(t.name for t in item.terms)}"))
         steps, raw = saturated(variable, given, variable.name, bit, scope)
         body += steps
         steps, found = fuzzify(item, raw, scope, dense=bool(controller.sentences))
@@ -177,9 +179,5 @@ def _settle(
         other: tuple[Stmt, ...] = (SetOutput(name, kept), SetStatus(bit))
     else:
         other = (SetOutput(name, Const(variable.raw.nearest(output.fallback.value))),)
-    comment = Comment(f"{name} fires where its strongest rule reaches {output_threshold(threshold, firing)}")
+    comment = Comment(f"{name} fires where its strongest rule reaches {threshold}/{firing.one}")
     return [Record(f"fires.{name}", test), comment, Branch(test, tuple(fired), other)]
-
-
-def output_threshold(threshold: int, firing: Firing) -> str:
-    return f"{threshold}/{firing.one}"

@@ -1,6 +1,7 @@
 """Comparisons in integers.
 
-Between a value without error and a constant the decision is the exact one: the rational threshold becomes an integer one.
+Between a value without error and a constant the decision is the exact one: the rational threshold becomes an
+integer one.
 Between computed values the two are brought to one step; the band says how close operands must be to decide differently.
 """
 

@@ -1,7 +1,9 @@
 """Firing: degrees become levels, one for each term of each output.
 
-Cell rules are walked sparsely, over the slots of each input only (two in a strong partition), the partial strength carried
-from loop to loop. Sentence rules are straight-line code. A level is the largest strength of its term's rules, or their sum.
+Cell rules are walked sparsely, over the slots of each input only (two in a strong partition), the partial strength
+carried
+from loop to loop. Sentence rules are straight-line code. A level is the largest strength of its term's rules, or
+their sum.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import AllOf, Assign, Branch, Const, Define, Expr, Local, Stmt, Test
-from fuzzyspec.lower.scaled import Scaled, constant
+from fuzzyspec.lower.scaled import Scaled, cause_of, constant
 from fuzzyspec.model.system import Const as ModelConst
 from fuzzyspec.model.system import Fold
 
@@ -46,7 +46,7 @@ def fold(lowering: Lowering, node: Fold, capacity: int, before: list[Stmt]) -> F
             best = _accumulator(lowering, name, value, int(start))
             before.append(Define(best, Const(int(start)), False))
             lowering.body += _guarded(test, [Branch(_better(greatest, value, best), (Assign(best, value),))])
-            result = Scaled(best, step, Fraction(0), whole.error)
+            result = Scaled(best, step, Fraction(0), whole.error, whole.cause)
             return Folded(lambda: result)
     best = _accumulator(lowering, name, value, value.lo if greatest else value.hi)
     found = Local(lowering.scope.name(f"{name}_any"), "uint8", 0, 1)
@@ -55,14 +55,14 @@ def fold(lowering: Lowering, node: Fold, capacity: int, before: list[Stmt]) -> F
     lowering.body += _guarded(
         test, [Assign(found, Const(1)), Branch(_better(greatest, value, best), (Assign(best, value),))]
     )
-    passed = Scaled(best, step, Fraction(0), whole.error)
+    passed = Scaled(best, step, Fraction(0), whole.error, whole.cause)
 
     def finish() -> Scaled:
         assert node.otherwise is not None
         a = lowering.arithmetic
         same = a.common([passed, lowering.value(node.otherwise, name)], name)
         chosen = build.select(build.compare("!=", found, Const(0)), same[0].expr, same[1].expr)
-        return Scaled(a.bind(chosen, name), same[0].step, same[0].offset, max(s.error for s in same))
+        return Scaled(a.bind(chosen, name), same[0].step, same[0].offset, max(s.error for s in same), cause_of(*same))
 
     return Folded(finish)
 
@@ -105,5 +105,5 @@ def _total(lowering: Lowering, node: Fold, capacity: int, before: list[Stmt]) ->
     before.append(Define(total, Const(0), False))
     # At most `capacity` elements are added, so the sum stays in the accumulator's interval.
     lowering.body += _guarded(test, [Assign(total, build.add_bounded(total, value, hi, lo))])
-    result = Scaled(total, whole.step, Fraction(0), whole.error * capacity)
+    result = Scaled(total, whole.step, Fraction(0), whole.error * capacity, whole.cause)
     return Folded(lambda: result)

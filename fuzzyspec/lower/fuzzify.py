@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import (
     Assign,
     AssignElement,
     Branch,
-    Comment,
     Compare,
     Const,
     CType,
@@ -37,7 +37,8 @@ from fuzzyspec.model.variable import Raw
 class Degrees:
     """Where an input's degrees are.
 
-    Slot j of ``array`` holds the degree of term ``first + j``: two slots and a local ``first`` in a strong partition, else
+    Slot j of ``array`` holds the degree of term ``first + j``: two slots and a local ``first`` in a strong
+    partition, else
     a slot a term and 0. ``error`` bounds every degree's error, in degrees [0, 1].
     """
 
@@ -75,7 +76,7 @@ def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool) -> tuple[list[Stm
     ``dense`` asks for a slot for every term even in a strong partition (sentence rules name terms).
     """
     variable = item.variable
-    body: list[Stmt] = [Comment(f"degrees of {item.name}: {', '.join(t.name for t in item.terms)}")]
+    body: list[Stmt] = []
     at = position_expr(variable.raw, raw)
     if not isinstance(at, Local):
         bound = build.local(scope.name(f"{item.name}_at"), at)
@@ -210,7 +211,7 @@ def _segments(shape: PiecewiseLinear, raw: Raw, top: int) -> list[tuple[Fraction
     before = (min(points[0][0], Fraction(0)) - 1, points[0][1])
     after = (max(points[-1][0], Fraction(top)) + 1, points[-1][1])
     chain = [before, *points, after]
-    return [(a[0], b[0], a[1], b[1]) for a, b in zip(chain, chain[1:], strict=False) if a[0] < b[0]]
+    return [(a[0], b[0], a[1], b[1]) for a, b in pairwise(chain) if a[0] < b[0]]
 
 
 def _spikes(shape: PiecewiseLinear, raw: Raw, top: int) -> list[tuple[int, Fraction]]:

@@ -22,7 +22,8 @@ HALF = Fraction(1, 2)
 class Line:
     """A rounded line over ``u = 0 .. length``.
 
-    ``error`` bounds ``|y - (start + slope * u)|`` in units of y (lemma "line" of docs/numbers.md); ``top`` is the largest
+    ``error`` bounds ``|y - (start + slope * u)|`` in units of y (lemma "line" of docs/numbers.md); ``top`` is the
+    largest
     y it takes, which may exceed the true one by a rounding.
     """
 

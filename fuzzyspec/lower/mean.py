@@ -1,6 +1,7 @@
 """The last step of every defuzzifier: a weighted mean becomes a raw.
 
-``t = moment / area`` lies in [0, 1], relative to the output's range; a 16-bit quotient of the unshortened sums, one multiply
+``t = moment / area`` lies in [0, 1], relative to the output's range; a 16-bit quotient of the unshortened sums,
+one multiply
 and one shift make it a raw.
 """
 
@@ -42,7 +43,8 @@ def mean_to_raw(variable: Variable, moment: Expr, area: Expr, scope: Scope) -> t
     while shift < 24 and math.floor(span * 2 ** (shift + 1) / QUOTIENT_ONE + HALF) < QUOTIENT_ONE - 1:
         shift += 1
     m = math.floor(span * 2**shift / QUOTIENT_ONE + HALF)
-    # The quotient is floored: half its step is added back. The multiplier's rounding drifts over t; half of that is too.
+    # The quotient is floored: half its step is added back. The multiplier's rounding drifts over t; half of that
+    # is too.
     drift = m * QUOTIENT_ONE - span * 2**shift
     offset = (
         math.floor((low + HALF) * 2**shift + Fraction(m, 2) - drift / 2 + HALF)

@@ -12,23 +12,25 @@ from fuzzyspec.lower.scaled import Arithmetic, Scaled
 from fuzzyspec.model.variable import Variable
 
 
-def read(variable: Variable, raw: Expr, error: Fraction = Fraction(0)) -> Scaled:
-    """A legal raw as a value in coherent units; ``error`` is in the variable's unit."""
+def read(variable: Variable, raw: Expr, error: Fraction = Fraction(0), cause: str = "") -> Scaled:
+    """A legal raw as a value in coherent units; ``error`` (in the variable's unit) comes from ``cause``."""
     unit = variable.unit
     return Scaled(
         raw,
         unit.scale * variable.raw.step,
         unit.to_coherent(variable.raw.origin),
         abs(unit.scale) * error,
+        cause,
     )
 
 
 @dataclass(frozen=True)
 class Placed:
-    """A value in its place: a legal raw, its error in the variable's unit, and whether the range was left."""
+    """A value in its place: a legal raw, its error in the variable's unit and why, and whether the range was left."""
 
     raw: Expr
     error: Fraction
+    cause: str
     outside: list[Test]
 
 
@@ -46,7 +48,7 @@ def place(arithmetic: Arithmetic, value: Scaled, variable: Variable, name: str) 
         nearest = max(0, min(counts, math.floor(alpha + beta * i.lo - raw.lo + Fraction(1, 2))))
         inside = max(ends[0], min(ends[1], alpha + beta * i.lo))
         error = max(abs(nearest + raw.lo - inside) + carried, sliver)
-        return Placed(Const(raw.lo + nearest), error * abs(raw.step), [])
+        return Placed(Const(raw.lo + nearest), error * abs(raw.step), value.cause, [])
     if beta > 0:
         u: Expr = build.sub(i, Const(i.lo))
         p0 = alpha + beta * i.lo - raw.lo
@@ -61,11 +63,12 @@ def place(arithmetic: Arithmetic, value: Scaled, variable: Variable, name: str) 
         u = arithmetic.bind(build.above(u, Const(start)), f"{name}_up")
         u = build.least(u, Const(end - start))
     p0 += beta * start
-    counted, error = arithmetic.scale(arithmetic.bind(u, f"{name}_up") if not u.lo == u.hi else u, beta, p0, name)
+    counted, error = arithmetic.scale(arithmetic.bind(u, f"{name}_up") if u.lo != u.hi else u, beta, p0, name)
     counted = build.greatest(arithmetic.bind(counted, f"{name}_near"), Const(0))
     counted = build.least(arithmetic.bind(counted, f"{name}_near"), Const(counts))
+    cause = value.cause if carried > error else ""
     error = max(error + carried, sliver)
-    return Placed(build.add(counted, Const(raw.lo)), error * abs(raw.step), _outside(i, value, variable))
+    return Placed(build.add(counted, Const(raw.lo)), error * abs(raw.step), cause, _outside(i, value, variable))
 
 
 def _outside(i: Expr, value: Scaled, variable: Variable) -> list[Test]:

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import AllOf, Const, Select, Test
-from fuzzyspec.lower.scaled import Arithmetic, Scaled, constant
+from fuzzyspec.lower.scaled import Arithmetic, Scaled, cause_of, constant
 
 QUOTIENT_ONE = 1 << 16
 
@@ -15,7 +15,8 @@ QUOTIENT_ONE = 1 << 16
 def divide(arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction] | None, name: str) -> Scaled:
     """``x / y`` saturated into a range (docs/numbers.md, lemma "quotient").
 
-    With ``t = (x/y - lo) / (hi - lo)`` the program computes ``(x - lo y) / ((hi - lo) y)``, numerator and divisor exact in
+    With ``t = (x/y - lo) / (hi - lo)`` the program computes ``(x - lo y) / ((hi - lo) y)``, numerator and divisor
+    exact in
     one step: no correlation between them is lost, nothing overflows, and x/0 is the end on x's side. Raises RangeError
     where the divisor's integers may be 0 although its range is not, or hold both signs.
     """
@@ -47,13 +48,15 @@ def divide(arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, F
     t = arithmetic.bind(ratio, name)
     step = (hi - lo) / QUOTIENT_ONE
     half = step / 2
-    error = half
+    error, cause = half, cause_of(x, y)
     if x.error or y.error or rounding:
         reach = max(abs(lo), abs(hi))
         worst = x.error + reach * y.error + rounding * (1 + 1 / (hi - lo))
         spread = hi - lo
         error += min(spread, worst / y.lo) if y.lo > 0 else spread
-    return Scaled(t, step, lo + half, error)
+        if 4 * error > spread:
+            cause = f"{name}: its divisor comes near 0 while its operands carry an error"
+    return Scaled(t, step, lo + half, error, cause)
 
 
 def zero_over_zero(arithmetic: Arithmetic, x: Scaled, y: Scaled, name: str) -> tuple[Test, Fraction]:
@@ -72,4 +75,6 @@ def settle(arithmetic: Arithmetic, test: Test, quotient: Scaled, fallback: Scale
         value = other.offset + other.step * other.expr.lo
         other = replace(other, error=fallback.error + abs(value - fallback.lo))
     expr = build.select(test, other.expr, quotient.expr)
-    return Scaled(arithmetic.bind(expr, name), quotient.step, quotient.offset, max(quotient.error, other.error))
+    return Scaled(
+        arithmetic.bind(expr, name), quotient.step, quotient.offset, max(quotient.error, other.error), quotient.cause
+    )

@@ -1,6 +1,7 @@
 """Crisp arithmetic in integers: ``value = offset + step * i`` with exact rational step and offset.
 
-Sums, differences and products by constants cost no rounding: the common step of two values is the greatest common divisor
+Sums, differences and products by constants cost no rounding: the common step of two values is the greatest common
+divisor
 of their steps, as long as the integers stay inside :data:`EXACT_BITS`. Only where they cannot is a value rounded to a
 coarser step, and its ``error`` says so. Values are in coherent units.
 """
@@ -17,17 +18,23 @@ from fuzzyspec.lower.scope import Scope
 
 HALF = Fraction(1, 2)
 EXACT_BITS = 29
-"""Integers may span this many bits before a value is rounded: two can still be added, and a difference keeps its sign."""
+"""Integers may span this many bits before a value is rounded: two can still be added, and a difference keeps its
+sign."""
 
 
 @dataclass(frozen=True)
 class Scaled:
-    """A computed value. ``error`` bounds |offset + step * i - exact| (the exact meaning along the same decisions)."""
+    """A computed value.
+
+    ``error`` bounds |offset + step * i - exact| (the exact meaning along the same decisions); ``cause`` says where most
+    of it comes from, empty where it is rounding alone.
+    """
 
     expr: Expr
     step: Fraction
     offset: Fraction
     error: Fraction
+    cause: str = ""
 
     @property
     def lo(self) -> Fraction:
@@ -39,7 +46,13 @@ class Scaled:
 
 
 def constant(value: Fraction) -> Scaled:
+    """A value known when compiling."""
     return Scaled(Const(0), Fraction(1), value, Fraction(0))
+
+
+def cause_of(*values: Scaled) -> str:
+    """The cause behind the largest error."""
+    return max(values, key=lambda v: v.error).cause
 
 
 def gcd(*steps: Fraction) -> Fraction:
@@ -69,7 +82,8 @@ class Arithmetic:
     # --- formats --------------------------------------------------------------------------------
 
     def common(self, values: list[Scaled], name: str, zero: bool = True) -> list[Scaled]:
-        """The same values over one step and one offset (0 with ``zero``), rounded only where the bits cannot hold them."""
+        """The same values over one step and one offset (0 with ``zero``), rounded only where the bits cannot hold
+        them."""
         offset = Fraction(0) if zero else values[0].offset
         moving = [v for v in values if v.expr.lo != v.expr.hi]
         shifts = [v.offset - offset + (v.step * v.expr.lo if v not in moving else 0) for v in values]
@@ -90,18 +104,18 @@ class Arithmetic:
         if value.expr.lo == value.expr.hi:
             exact = (value.lo - offset) / step
             assert exact.denominator == 1
-            return Scaled(Const(int(exact)), step, offset, value.error)
+            return Scaled(Const(int(exact)), step, offset, value.error, value.cause)
         factor, shift = value.step / step, (value.offset - offset) / step
         assert factor.denominator == 1 and shift.denominator == 1
         expr = build.add(build.mul(value.expr, Const(int(factor))), Const(int(shift)))
-        return Scaled(expr, step, offset, value.error)
+        return Scaled(expr, step, offset, value.error, value.cause)
 
     def rounded(self, value: Scaled, step: Fraction, offset: Fraction, name: str) -> Scaled:
         """The nearest multiple of ``step`` from ``offset``."""
         if value.expr.lo == value.expr.hi:
             nearest = math.floor((value.lo - offset) / step + HALF)
             error = abs(offset + step * nearest - value.lo)
-            return Scaled(Const(nearest), step, offset, value.error + error)
+            return Scaled(Const(nearest), step, offset, value.error + error, value.cause)
         if (value.step / step).denominator == 1 and ((value.offset - offset) / step).denominator == 1:
             return value
         # From the value's own low end, so that what is scaled is unsigned.
@@ -115,7 +129,7 @@ class Arithmetic:
         rest = (low - offset) / step - base
         scaled, error = self.scale(up, abs(value.step) / step, rest, name)
         expr = build.add(scaled, Const(base))
-        return Scaled(self.bind(expr, name), step, offset, value.error + error * step)
+        return Scaled(self.bind(expr, name), step, offset, value.error + error * step, value.cause)
 
     def scale(self, u: Expr, ratio: Fraction, rest: Fraction, name: str) -> tuple[Expr, Fraction]:
         """``round(u * ratio + rest)`` of an unsigned ``u``, with a bound on its error in units of the result.
@@ -168,23 +182,23 @@ class Arithmetic:
     # --- operations -----------------------------------------------------------------------------
 
     def negated(self, a: Scaled) -> Scaled:
-        return Scaled(a.expr, -a.step, -a.offset, a.error)
+        return Scaled(a.expr, -a.step, -a.offset, a.error, a.cause)
 
     def by_constant(self, a: Scaled, factor: Fraction) -> Scaled:
         if factor == 0:
             return constant(Fraction(0))
-        return Scaled(a.expr, a.step * factor, a.offset * factor, a.error * abs(factor))
+        return Scaled(a.expr, a.step * factor, a.offset * factor, a.error * abs(factor), a.cause)
 
     def plus(self, a: Scaled, b: Scaled, name: str) -> Scaled:
-        error = a.error + b.error
+        error, cause = a.error + b.error, cause_of(a, b)
         if a.expr.lo == a.expr.hi:
-            return Scaled(b.expr, b.step, b.offset + a.lo, error)
+            return Scaled(b.expr, b.step, b.offset + a.lo, error, cause)
         if b.expr.lo == b.expr.hi:
-            return Scaled(a.expr, a.step, a.offset + b.lo, error)
+            return Scaled(a.expr, a.step, a.offset + b.lo, error, cause)
         free = [Scaled(a.expr, a.step, Fraction(0), Fraction(0)), Scaled(b.expr, b.step, Fraction(0), Fraction(0))]
         x, y = self.common(free, name)
         total = self.bind(build.add(x.expr, y.expr), name)
-        return Scaled(total, x.step, a.offset + b.offset, error + x.error + y.error)
+        return Scaled(total, x.step, a.offset + b.offset, error + x.error + y.error, cause)
 
     def times(self, a: Scaled, b: Scaled, name: str) -> Scaled:
         if a.expr.lo == a.expr.hi:
@@ -195,7 +209,7 @@ class Arithmetic:
         product = self.bind(build.mul(x.expr, y.expr), name)
         largest_a, largest_b = (max(abs(v.lo), abs(v.hi)) for v in (x, y))
         error = x.error * largest_b + y.error * largest_a + x.error * y.error
-        return Scaled(product, x.step * y.step, Fraction(0), error)
+        return Scaled(product, x.step * y.step, Fraction(0), error, cause_of(a, b))
 
     def _widen(self, scaled: Scaled, extra: Fraction, other: Scaled) -> Scaled:
         if not extra:
@@ -207,7 +221,7 @@ class Arithmetic:
         (whole,) = self.common([a], name)
         bits = max(abs(whole.expr.lo), abs(whole.expr.hi)).bit_length()
         if bits <= 15:
-            return Scaled(self.bind(whole.expr, name), whole.step, whole.offset, whole.error)
+            return Scaled(self.bind(whole.expr, name), whole.step, whole.offset, whole.error, whole.cause)
         return self.rounded(whole, whole.step * 2 ** (bits - 15), Fraction(0), f"{name}_factor")
 
     def smallest(self, values: list[Scaled], name: str) -> Scaled:
@@ -224,7 +238,7 @@ class Arithmetic:
             other = self.bind(v.expr, name)
             pick = build.least(result, other) if least else build.greatest(result, other)
             result = self.bind(pick, name)
-        return Scaled(result, same[0].step, same[0].offset, error)
+        return Scaled(result, same[0].step, same[0].offset, error, cause_of(*same))
 
     def absolute(self, a: Scaled, name: str) -> Scaled:
         (whole,) = self.common([a], name)
@@ -232,7 +246,7 @@ class Arithmetic:
         if value.lo >= 0:
             return whole
         if value.hi <= 0:
-            return Scaled(build.sub(Const(0), value), whole.step, whole.offset, whole.error)
+            return Scaled(build.sub(Const(0), value), whole.step, whole.offset, whole.error, whole.cause)
         test = build.compare("<", value, Const(0))
         flipped = Select(test, build.sub(Const(0), value), value, 0, max(-value.lo, value.hi))
-        return Scaled(self.bind(flipped, name), whole.step, whole.offset, whole.error)
+        return Scaled(self.bind(flipped, name), whole.step, whole.offset, whole.error, whole.cause)

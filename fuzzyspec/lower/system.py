@@ -15,7 +15,6 @@ from fuzzyspec.fixed.program import (
     Branch,
     CallFunction,
     Comment,
-    Const,
     Each,
     Expr,
     Function,
@@ -37,7 +36,7 @@ from fuzzyspec.lower.controller import port_of, saturated
 from fuzzyspec.lower.decisions import decide
 from fuzzyspec.lower.places import place, read
 from fuzzyspec.lower.quotients import divide, settle, zero_over_zero
-from fuzzyspec.lower.scaled import Arithmetic, Scaled, constant
+from fuzzyspec.lower.scaled import Arithmetic, Scaled, cause_of, constant
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.walk import folds, needs
 from fuzzyspec.model import system as m
@@ -69,7 +68,8 @@ class SystemNumbers:
 
 @dataclass
 class Lowering:
-    """The state of one system's lowering. ``element`` holds what is known of the current element, inside a loop only."""
+    """The state of one system's lowering. ``element`` holds what is known of the current element, inside a loop
+    only."""
 
     system: System
     functions: dict[str, Function]
@@ -79,7 +79,7 @@ class Lowering:
     status: list[StatusBit] = field(default_factory=list)
     nested: list[tuple[str, str]] = field(default_factory=list)
     bands: list[Band] = field(default_factory=list)
-    reasons: list[str] = field(default_factory=list)
+    reasons: dict[str, str] = field(default_factory=dict)
     known: dict[tuple[str, str], Scaled] = field(default_factory=dict)
     element: dict[tuple[str, str], Scaled] | None = None
     folded: dict[int, Scaled] = field(default_factory=dict)
@@ -114,6 +114,7 @@ class Lowering:
         for position, statement in enumerate(self.system.statements):
             match statement:
                 case Let(name, value):
+                    self.body.append(Comment(f"{name}"))
                     self.known["let", name] = self.value(value, name)
                 case Call():
                     self.call(statement)
@@ -124,7 +125,6 @@ class Lowering:
                     assert_never(statement)
         errors: dict[str, Fraction] = {}
         outputs = [self.output(o, errors) for o in self.system.outputs]
-        reasons = {name: self.dominant(errors[name]) for name in errors}
         function = Function(
             self.system.name,
             "system",
@@ -137,10 +137,7 @@ class Lowering:
             (),
             tuple(self.body),
         )
-        return function, SystemNumbers(errors, reasons, tuple(self.bands))
-
-    def dominant(self, _: Fraction) -> str:
-        return "; ".join(dict.fromkeys(self.reasons))
+        return function, SystemNumbers(errors, self.reasons, tuple(self.bands))
 
     def bit(self, name: str, meaning: str) -> str:
         if all(b.name != name for b in self.status):
@@ -188,6 +185,7 @@ class Lowering:
                 continue
             for statement in loop.body:
                 if isinstance(statement, Let):
+                    self.body.append(Comment(f"{statement.name} of this element"))
                     self.element["let", statement.name] = self.value(statement.value, statement.name)
                 else:
                     self.call(statement)
@@ -195,6 +193,7 @@ class Lowering:
         after: list[tuple[m.Fold, folding.Folded]] = []
         for fold in wanted:
             if id(fold) not in self.folded and all(fold is not f for f, _ in after):
+                self.body.append(Comment(f"{fold.kind} over {list_}"))
                 after.append((fold, folding.fold(self, fold, port.capacity, before)))
         inside, self.body = self.body, outer
         self.element = None
@@ -242,7 +241,9 @@ class Lowering:
                 decided = self.test(test, name)
                 same = a.common([self.value(then, name), self.value(other, name)], name)
                 chosen = build.select(decided, same[0].expr, same[1].expr)
-                return Scaled(a.bind(chosen, name), same[0].step, same[0].offset, max(s.error for s in same))
+                return Scaled(
+                    a.bind(chosen, name), same[0].step, same[0].offset, max(s.error for s in same), cause_of(*same)
+                )
             case m.Fold():
                 if id(expr) not in self.folded:
                     for nested in (f for part in (expr.body, expr.test, expr.otherwise) for f in folds(part)):
@@ -265,8 +266,6 @@ class Lowering:
                 return exact
             return a.smallest([a.largest([exact, constant(expr.into[0])], name), constant(expr.into[1])], name)
         quotient = divide(a, x, y, expr.into, name)
-        if (x.error or y.error) and quotient.error * 4 > abs(quotient.step) * 2**16:
-            self.reasons.append(f"the divisor of {name} comes near 0 while its operands carry an error")
         if expr.otherwise is None:
             return quotient
         test, band = zero_over_zero(a, x, y, f"{name}_zero")
@@ -297,21 +296,27 @@ class Lowering:
 
     def call(self, call: Call) -> None:
         controller = call.controller
+        self.body.append(Comment(f"{call.id}: {controller.name}"))
         arguments: list[Expr] = []
         errors: list[Fraction] = []
+        carried: list[tuple[Fraction, str]] = []
         for item, argument in zip(controller.inputs, call.arguments, strict=True):
             name = f"{call.id}_{item.name}"
             placed = place(self.arithmetic, self.value(argument, name), item.variable, name)
             arguments.append(self.arithmetic.bind(placed.raw, f"{name}_raw"))
             errors.append(placed.error)
+            carried.append((placed.error / (item.variable.hi - item.variable.lo), item.name))
         bounds = self.certify(controller, tuple(errors))
+        share, worst = max(carried)
+        worst_input = f"; its input {worst} is off by up to {float(100 * share):.3g} %" if share else ""
         callee = self.functions[controller.name]
         results: list[tuple[str, Local]] = []
         for output in controller.outputs:
             raw = output.variable.raw
             local = Local(self.scope.name(f"{call.id}_{output.name}"), raw.ctype, raw.lo, raw.hi)
             results.append((output.name, local))
-            value = read(output.variable, local, bounds.errors[output.name])
+            cause = f"{call.id}.{output.name}: {bounds.reasons[output.name]}{worst_input}"
+            value = read(output.variable, local, bounds.errors[output.name], cause)
             if self.element is not None:
                 self.element["call", f"{call.id}.{output.name}"] = value
             else:
@@ -333,8 +338,6 @@ class Lowering:
         self.known["call", call.id] = constant(Fraction(0))
         state = call.id if controller.holds else None
         self.body.append(CallFunction(call.id, controller.name, tuple(arguments), tuple(results), state, tuple(held)))
-        for name, reason in bounds.reasons.items():
-            self.reasons.append(f"{call.id}.{name}: {reason}")
         self.bands += [Band(f"{call.id}.{b.key}", b.what, b.width) for b in bounds.bands]
 
     def output(self, output: SystemOutput | ActingOutput, errors: dict[str, Fraction]) -> Port:
@@ -345,9 +348,11 @@ class Lowering:
         variable = output.variable
         if output.bare is not None:
             raw, error = self.bare[output.bare]
+            self.reasons[output.name] = self.known["call", ".".join(output.bare)].cause
             self.body.append(SetOutput(output.name, raw))
             errors[output.name] = error
             return port_of(variable)
+        self.body.append(Comment(f"output {output.name}"))
         value = self.value(output.value, output.name)
         placed = place(self.arithmetic, value, variable, output.name)
         if output.saturates and placed.outside:
@@ -355,6 +360,7 @@ class Lowering:
             self.body.append(Branch(AnyOf(tuple(placed.outside)), (SetStatus(bit),)))
         self.body.append(SetOutput(output.name, placed.raw))
         errors[output.name] = placed.error
+        self.reasons[output.name] = placed.cause or "rounding"
         return port_of(variable)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 
-from fuzzyspec.model.system import CallOutput, Fold, ForEach, ReadLet, SystemOutput
+from fuzzyspec.model.system import CallOutput, Fold, ReadLet, SystemOutput
 
 
 def nodes(root: object) -> Iterator[object]:
@@ -36,7 +36,3 @@ def needs(root: object, of_elements: set[str]) -> set[tuple[str, str]]:
         elif isinstance(n, CallOutput) and n.call not in of_elements:
             found.add(("call", n.call))
     return found
-
-
-def names_of(loop: ForEach) -> set[str]:
-    return {b.name for b in loop.body if not hasattr(b, "controller")}

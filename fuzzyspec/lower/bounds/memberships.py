@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +24,8 @@ GRID = 1024
 class Membership:
     """One piecewise-linear term in relative positions (0 .. 1 over the variable's range).
 
-    ``x`` are its breakpoints, ``before``/``after`` the limits from either side, ``low``/``high`` the least and largest value
+    ``x`` are its breakpoints, ``before``/``after`` the limits from either side, ``low``/``high`` the least and
+    largest value
     at each breakpoint.
     """
 
@@ -101,7 +103,7 @@ def level_sets(m: Membership, lo: float, hi: float) -> tuple[Floats, Floats]:
         np.maximum(right, np.where(where, b, -np.inf), out=right)
 
     cuts = [lo, *(float(x) for x in m.x if lo < x < hi), hi]
-    for a, b in zip(cuts, cuts[1:], strict=False):
+    for a, b in pairwise(cuts):
         # The line of this piece, from two points inside it.
         y1, y3 = m._at(np.array([a + (b - a) / 4, a + 3 * (b - a) / 4]))
         ya, yb = y1 - (y3 - y1) / 2, y3 + (y3 - y1) / 2

@@ -130,7 +130,7 @@ class _Search:
         self.outputs = outputs
         self.effort = effort
         self.failure = ""
-        self.steep = np.array([max(max(m.steepest for m in terms), 1.0) for terms in strengths.terms])
+        self.steep = np.array([max(1.0, *(m.steepest for m in terms)) for terms in strengths.terms])
 
     def run(self) -> tuple[list[float], list[tuple[float, float, float]]]:
         """The certified bound of each output, relative to its range, and its parts at the worst box."""

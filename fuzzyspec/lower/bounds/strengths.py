@@ -1,6 +1,7 @@
 """Strengths and levels over boxes of inputs, with what they can be off by.
 
-A quantity over B boxes is a :class:`Band`: the exact value lies in ``lo .. hi`` and the integer one within ``off`` of it.
+A quantity over B boxes is a :class:`Band`: the exact value lies in ``lo .. hi`` and the integer one within ``off``
+of it.
 """
 
 from __future__ import annotations
