@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source
 from fuzzyspec.syntax import tree
-from fuzzyspec.syntax.build import Node
+from fuzzyspec.syntax.builders import Node
 
 Entry = tuple[tree.Name, ...]
 

@@ -7,9 +7,12 @@ machine itself. Reductions are pure.
 from __future__ import annotations
 
 from fuzzyspec.diagnostics.diagnostic import Span
-from fuzzyspec.syntax.build import BUILDERS, Node
+from fuzzyspec.syntax import build_crisp, build_fuzzy
+from fuzzyspec.syntax.builders import Node
 from fuzzyspec.syntax.table import Production, Table
 from fuzzyspec.syntax.tokens import END, MISSING, Token
+
+_BUILDERS = build_fuzzy.BUILDERS | build_crisp.BUILDERS
 
 
 class Cell:
@@ -124,7 +127,7 @@ def _reduce(table: Table, cell: Cell, production: Production) -> Cell:
     elif production.action == "^":
         value = values[0]
     else:
-        value = BUILDERS[production.action](_flat(values), Span(start, end))
+        value = _BUILDERS[production.action](_flat(values), Span(start, end))
     target, _ = table.states[cell.state][production.origin]
     return Cell(target, production.origin, value, start, end, cell)
 

@@ -10,7 +10,7 @@ from specs import EVERYTHING, SOUND
 
 from fuzzyspec.diagnostics.diagnostic import Source
 from fuzzyspec.resources import read_text
-from fuzzyspec.syntax import generate, parse, tokens
+from fuzzyspec.syntax import build_crisp, build_fuzzy, generate, parse, table, tokens
 
 
 @pytest.fixture(scope="module")
@@ -56,3 +56,12 @@ def test_both_refuse_a_token_too_many(lark: Lark, extra: str) -> None:
     with pytest.raises(LarkError):
         lark.parse(text)
     assert parse(Source("all.fz", text))[1] != ()
+
+
+def test_every_rule_has_a_builder() -> None:
+    """What the table may ask to build can be built, and nothing else is kept."""
+    actions = {action.action for state in table.load().states for _, action in state.values() if action is not None} - {
+        "*",
+        "^",
+    }
+    assert actions == set(build_fuzzy.BUILDERS) | set(build_crisp.BUILDERS)
