@@ -9,6 +9,7 @@ from fractions import Fraction
 from fuzzyspec.check.arithmetic import Value
 from fuzzyspec.check.expressions import Expressions
 from fuzzyspec.check.findings import Findings
+from fuzzyspec.check.names import too_early
 from fuzzyspec.check.similar import hint
 from fuzzyspec.check.units import Units, describe
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
@@ -27,6 +28,8 @@ class Constants:
     units: Units
     findings: Findings
     params: Mapping[str, Value | None] = field(default_factory=dict)
+    later: Mapping[str, Span] = field(default_factory=dict)
+    """Params that are defined further down."""
 
     def value(self, expr: tree.Expr) -> Value | None:
         """A constant with its dimensions, or None with a diagnostic."""
@@ -108,6 +111,9 @@ class _ConstantScope:
             return None if known is None else replace(known, span=ref.span)
         if len(ref.parts) > 1:
             c.not_constant(ref.span)
+            return None
+        if name in c.later:
+            c.findings.report(too_early("param", name, ref.span, c.later[name]))
             return None
         c.findings.report(
             Diagnostic(

@@ -13,6 +13,7 @@ from typing import Protocol, assert_never
 
 from fuzzyspec.check import arithmetic
 from fuzzyspec.check.arithmetic import Value, common_dims, fitted, number
+from fuzzyspec.check.conditions import Conditions
 from fuzzyspec.check.division import divided, not_a_quotient
 from fuzzyspec.check.findings import Findings
 from fuzzyspec.check.similar import hint
@@ -21,15 +22,11 @@ from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
 from fuzzyspec.model.interval import Interval, Intervals
 from fuzzyspec.model.system import (
     Abs,
-    Both,
     Clamp,
-    Compare,
     Const,
-    Either,
     Greatest,
     If,
     Least,
-    Neither,
     Test,
 )
 from fuzzyspec.model.units import Unit
@@ -40,8 +37,6 @@ FOLDS = ("max", "min", "sum", "count")
 
 NOWHERE: Interval = (Fraction(0), Fraction(0))
 """The place of a value that is looked at for its own faults only, because where it should go is wrong itself."""
-
-_FLIPPED: dict[str, str] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 
 
 class Scope(Protocol):
@@ -304,84 +299,7 @@ class Expressions:
 
     def test(self, expr: tree.Expr) -> Test | None:
         """Type a condition."""
-        match expr:
-            case tree.Compare():
-                return self._chain(expr)
-            case tree.InRange():
-                return self._in_range(expr)
-            case tree.Logic():
-                operands = [self.test(o) for o in expr.operands]
-                good = tuple(o for o in operands if o is not None)
-                if not good or len(good) < len(operands):
-                    return None
-                match expr.op:
-                    case "and":
-                        return Both(good)
-                    case "or":
-                        return Either(good)
-                    case "not":
-                        return Neither(good[0])
-                    case _:
-                        assert_never(expr.op)
-            case _:
-                if self.number(expr) is not None:
-                    self._report(
-                        "FZ247",
-                        "a number stands where a condition is needed",
-                        expr.span,
-                        "this is a number",
-                        "compare it, as in `x > 0`",
-                    )
-                return None
-
-    def _chain(self, expr: tree.Compare) -> Test | None:
-        values = [self.number(o) for o in expr.operands]
-        known = [v for v in values if v is not None]
-        if len(known) < len(values) or len(known) < 2:
-            return None
-        parts: list[Test] = []
-        for op, left, right in zip(expr.ops, known, known[1:], strict=False):
-            if common_dims((left, right), "cannot compare", self._findings.report) is None:
-                return None
-            parts.append(self._compare(op, left, right, expr.span))
-        return parts[0] if len(parts) == 1 else Both(tuple(parts))
-
-    def _in_range(self, expr: tree.InRange) -> Test | None:
-        unit = Unit("") if expr.unit is None else self._units.resolve(expr.unit, self._findings.report)
-        value = self.number(expr.value)
-        ends: list[Value] = []
-        for e in (expr.lo, expr.hi):
-            end = self.number(e)
-            if end is not None and end.bare and not end.zero and unit is not None and expr.unit is not None:
-                end = fitted(end, unit, expr.unit.span, "", self._findings.report)
-            elif end is not None and expr.unit is not None and unit is not None and not end.bare:
-                end = fitted(end, unit, expr.unit.span, "the interval", self._findings.report)
-            if end is not None:
-                ends.append(end)
-        if value is None or unit is None or len(ends) < 2:
-            return None
-        if expr.unit is not None and value.dims != unit.dims and not value.zero:
-            # The numbers of the interval may both be a bare 0; its unit counts all the same.
-            ends = [number(unit.to_coherent(Fraction(0)), unit.dims, e.span) if e.zero else e for e in ends]
-        lo, hi = ends
-        if common_dims((value, lo, hi), "cannot compare", self._findings.report) is None:
-            return None
-        low, high = lo.constant, hi.constant
-        if low is not None and high is not None and low > high:
-            self._report(
-                "FZ401",
-                "this interval is empty",
-                lo.span.to(hi.span),
-                "the low end is above the high end",
-                "swap the ends",
-            )
-            return None
-        return Both((self._compare(">=", value, lo, expr.span), self._compare("<=", value, hi, expr.span)))
-
-    def _compare(self, op: str, left: Value, right: Value, span: Span) -> Test:
-        if left.constant is not None and right.constant is None:
-            op, left, right = _FLIPPED[op], right, left
-        return Compare(op, left.expr, right.expr, self._scope.key("test"), span)  # type: ignore[arg-type]
+        return Conditions(self.number, self._scope, self._units, self._findings).test(expr)
 
     # -----------------------------------------------------------------------------------------
 

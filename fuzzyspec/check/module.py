@@ -45,7 +45,9 @@ class _ModuleChecker:
         self._damage = damage
         self._params: dict[str, Value | None] = {}
         self._param_names: dict[str, tree.Name] = {}
-        self._constants = Constants(Units(), findings, self._params)
+        units, later = Units(), {i.name.text: i.name.span for i in module.items if isinstance(i, tree.Param)}
+        units.later.update({i.name.text: i.name.span for i in module.items if isinstance(i, tree.UnitDecl)})
+        self._constants = Constants(units, findings, self._params, later)
         self._unit_names: dict[str, tree.Name] = {}
 
     def check(self) -> Module:
@@ -116,6 +118,7 @@ class _ModuleChecker:
             return
         self._unit_names[name.text] = name
         value = self._constants.value(item.value)
+        self._constants.units.later.pop(name.text, None)
         scale = None if value is None else value.constant
         if value is None or scale is None:
             # Known all the same, so that its uses are not reported too.

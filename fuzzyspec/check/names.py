@@ -53,6 +53,18 @@ def report_duplicate(what: str, name: tree.Name, first: Span, report: Report, ex
     )
 
 
+def too_early(what: str, text: str, used: Span, defined: Span) -> Diagnostic:
+    """A use that stands above the definition."""
+    return Diagnostic(
+        "FZ241",
+        f"{what} `{text}` is used before it is defined",
+        used,
+        label="used here",
+        labels=(Label(defined, "defined here"),),
+        help="move its definition up",
+    )
+
+
 class Names:
     """Names declared so far in one namespace; ``cased`` where names that differ only in case may stand together."""
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 from fuzzyspec.check.arithmetic import Value
 from fuzzyspec.check.controller import CheckedController
 from fuzzyspec.check.findings import Findings
+from fuzzyspec.check.names import too_early
 from fuzzyspec.check.order import Key
 from fuzzyspec.check.similar import hint
-from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Span
+from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
 from fuzzyspec.model.interval import Intervals
 from fuzzyspec.model.system import Call, CallOutput, Fold, Let
 from fuzzyspec.syntax import tree
@@ -223,16 +224,7 @@ class SystemScope:
         self._say("FZ201", f"unknown name `{name.text}`", name.span, "not defined here", way_out)
 
     def _too_early(self, text: str, span: Span, defined: Span) -> None:
-        self._report(
-            Diagnostic(
-                "FZ241",
-                f"`{text}` is used before it is defined",
-                span,
-                label="used here",
-                labels=(Label(defined, "defined here"),),
-                help="move its definition up",
-            )
-        )
+        self._report(too_early("name", text, span, defined))
 
     def _example(self, over: str) -> str:
         return next((name for listed, name in self.fields if listed == over), "field")

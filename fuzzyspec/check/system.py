@@ -61,7 +61,8 @@ class _SystemChecker:
         self._findings = constants.findings
         self._report = constants.findings.report
         self._params: dict[str, Value | None] = dict(constants.params)
-        self._constants = replace(constants, params=self._params)
+        params_at = {i.name.text: i.name.span for i in decl.items if isinstance(i, tree.Param)}
+        self._constants = replace(constants, params=self._params, later=params_at)
         self._variables = Variables(self._constants)
         self._cyclic = report_cycles(decl.items, self._report)
         later = {key: span for key, (span, _, _) in definitions(decl.items).items()}

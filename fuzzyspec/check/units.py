@@ -9,8 +9,9 @@ from __future__ import annotations
 from fractions import Fraction
 
 from fuzzyspec.check.findings import Report
+from fuzzyspec.check.names import too_early
 from fuzzyspec.check.similar import listing, nearest
-from fuzzyspec.diagnostics.diagnostic import Diagnostic
+from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
 from fuzzyspec.model.units import ONE, Unit
 from fuzzyspec.syntax import tree
 
@@ -107,6 +108,8 @@ class Units:
     def __init__(self) -> None:
         self._known = dict(BUILT_IN)
         self._broken: set[str] = set()
+        self.later: dict[str, Span] = {}
+        """Units that the file declares further down."""
 
     def __contains__(self, symbol: str) -> bool:
         return symbol in self._known
@@ -129,7 +132,9 @@ class Units:
             unit = self._known.get(symbol)
             if unit is None:
                 good = False
-                if symbol not in self._broken:
+                if symbol in self.later:
+                    report(too_early("unit", symbol, expr.span, self.later[symbol]))
+                elif symbol not in self._broken:
                     self._unknown(symbol, expr, report)
                 continue
             if unit.offset:

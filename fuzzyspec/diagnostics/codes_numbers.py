@@ -282,6 +282,20 @@ CODES: tuple[Code, ...] = (
         Leave it out, or declare a range: `output limit in [0, 5] m = 3 m`. """,
     ),
     explained(
+        "FZ436",
+        "a condition that never changes",
+        """
+        The declared ranges decide a comparison, so the condition is always true or always false.
+
+            input duty in [0, 100] %
+            output y = 1 if duty > 50 else 0                    # 50 %
+
+        A percent is 1/100: 50 without a unit is 5000 %. A sector may reach beyond a range at one end; it is told of
+        where it lies outside altogether.
+        """,
+        "warning",
+    ),
+    explained(
         "FZ442",
         "too many status bits",
         """

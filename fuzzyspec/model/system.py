@@ -159,11 +159,14 @@ Expr = (
 )
 
 
+CompareOp = Literal["<", "<=", ">", ">=", "==", "!="]
+
+
 @dataclass(frozen=True, slots=True)
 class Compare:
     """A decision, recorded under ``key``. ``x in [a, b]`` and chains are ``Both`` of these."""
 
-    op: Literal["<", "<=", ">", ">=", "==", "!="]
+    op: CompareOp
     left: Expr
     right: Expr
     key: str

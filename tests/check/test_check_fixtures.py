@@ -30,7 +30,7 @@ MARKED = {
     "FZ413": "HIGH", "FZ414": "0, 3, 2", "FZ415": "2", "FZ416": "LOW", "FZ417": "partition NEAR", "FZ418": "e",
     "FZ419": "partition COLD HOT", "FZ420": "implies = product", "FZ421": "u", "FZ422": "2", "FZ423": "0",
     "FZ424": "otherwise 1", "FZ430": "x", "FZ431": "x", "FZ432": "distance / x", "FZ433": "0", "FZ434": "0",
-    "FZ435": "3 m", "FZ442": "s", "FZ443": "4000000000000000000",
+    "FZ435": "3 m", "FZ442": "s", "FZ436": "load > 50", "FZ443": "4000000000000000000",
 }  # fmt: skip
 """What each fixture's carets stand under."""
 

@@ -321,3 +321,22 @@ def test_help_shows_the_other_place() -> None:
     (label,) = found[0].labels
     assert source.text[label.span.start : label.span.end] == "distance"
     assert source.position(label.span.start)[0] == source.position(found[0].span.start)[0]
+
+
+@pytest.mark.parametrize(
+    ("test", "marked"),
+    [
+        ("distance < 9 m", "distance < 9 m"),
+        ("9 m <= distance", "9 m <= distance"),
+        ("distance != 9 m", "distance != 9 m"),
+        ("distance in [9, 10] m", "distance in [9, 10] m"),
+        ("2 m < distance < -1 m", "2 m < distance < -1 m"),
+        ("distance in [-1, 3] m", None),
+        ("distance <= 0", None),
+        ("distance in [8, 9] m", None),
+    ],
+)
+def test_conditions_that_never_change(test: str, marked: str | None) -> None:
+    """A comparison that the ranges decide is told of; a sector that sticks out at one end is not."""
+    found = complaints(step(DISTANCE + f"output d = 1 if {test} else 0"))
+    assert found == ([] if marked is None else [("FZ436", marked)])

@@ -136,3 +136,9 @@ def test_degrees_and_radians_do_not_mix() -> None:
     body = "input a in [-90, 90] deg\noutput u = c(e: {}).u"
     assert complaints(step(body.format("a"), controllers)) == [("FZ220", "a")]
     sound(step(body.format("to_rad(a)"), controllers))
+
+
+def test_units_and_params_are_defined_before_their_use() -> None:
+    """What a file declares further down is pointed at, also where two need each other."""
+    assert complaints("unit a = 3 b\nunit b = 2 m\n" + fuzzy("[0, 4] a { partition NEAR FAR }")) == [("FZ241", "b")]
+    assert complaints("param p = 2 * q\nparam q = 2 * p\n" + fuzzy("[0, p] { partition NEAR FAR }")) == [("FZ241", "q")]
