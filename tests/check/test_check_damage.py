@@ -6,13 +6,13 @@ import re
 from pathlib import Path
 
 import pytest
-from checking import DANGER, checked, complaints, fuzzy, step
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyspec.check import check
 from fuzzyspec.diagnostics.diagnostic import Source
 from fuzzyspec.syntax import parse
+from tests.check.checking import DANGER, checked, complaints, fuzzy, step
 
 NAV = (Path(__file__).parents[2] / "examples" / "nav.fz").read_text()
 WORDS = [

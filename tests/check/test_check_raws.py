@@ -5,12 +5,12 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from checking import complaints, fuzzy, sound
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from fuzzyspec.check.variables import counted, default_ctype, default_raw, finest_exponent, stepped
 from fuzzyspec.model.variable import RAW_LIMITS, CType, Raw
+from tests.check.checking import complaints, fuzzy, sound
 
 CTYPES: st.SearchStrategy[CType] = st.sampled_from(sorted(RAW_LIMITS))
 RATIONALS = st.fractions(min_value=-(10**6), max_value=10**6, max_denominator=10**6)

@@ -6,7 +6,6 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from checking import DANGER, checked, complaints, fuzzy, sound, step
 
 from fuzzyspec.check import check
 from fuzzyspec.diagnostics.diagnostic import Source
@@ -28,6 +27,7 @@ from fuzzyspec.model.system import (
     SystemOutput,
 )
 from fuzzyspec.syntax import parse
+from tests.check.checking import DANGER, checked, complaints, fuzzy, sound, step
 
 NAV = Path(__file__).parents[2] / "examples" / "nav.fz"
 LIST = "input obstacles[4] { distance in [0, 8] m, bearing in [-180, 180] deg, speed in [0, 2] m/s }\n"

@@ -5,13 +5,13 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from checking import complaints, fuzzy, sound
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyspec.check.shapes import degree, even_peaks, first_gap, has_area, partition, reaches, shaped
 from fuzzyspec.model.controller import Inference, Input, Output
 from fuzzyspec.model.term import PiecewiseLinear, Singleton
+from tests.check.checking import complaints, fuzzy, sound
 
 PEAKS = st.lists(st.fractions(-100, 100, max_denominator=50), min_size=2, max_size=7, unique=True).map(sorted)
 VALUES = st.fractions(-120, 120, max_denominator=97)

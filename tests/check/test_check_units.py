@@ -6,7 +6,6 @@ import math
 from fractions import Fraction
 
 import pytest
-from checking import complaints, fuzzy, sound, step
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -14,6 +13,7 @@ from fuzzyspec.check.units import BUILT_IN, PI, Units, coherent, describe, dims,
 from fuzzyspec.diagnostics.diagnostic import Span
 from fuzzyspec.model.units import Unit
 from fuzzyspec.syntax import tree
+from tests.check.checking import complaints, fuzzy, sound, step
 
 SYMBOLS = sorted(s for s, u in BUILT_IN.items() if not u.offset)
 FACTORS = st.lists(st.tuples(st.sampled_from(SYMBOLS), st.sampled_from([-2, -1, 1, 2])), min_size=1, max_size=4)

@@ -8,7 +8,8 @@ from collections import Counter
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from specs import EXAMPLES, from_file, from_text
+
+from tests.check_rules.specs import EXAMPLES, from_file, from_text
 
 TERMS = ("S", "M", "B")
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 
 import pytest
-from specs import EXAMPLES, FIXTURES
 
 from fuzzyspec.cli.main import main
 from fuzzyspec.diagnostics.codes import REGISTRY
+from tests.check_rules.specs import EXAMPLES, FIXTURES
 
 NAV = str(EXAMPLES / "nav.fz")
 

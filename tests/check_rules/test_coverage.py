@@ -7,13 +7,13 @@ from fractions import Fraction
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from random_controllers import PLACES, controllers, strength
-from specs import EXAMPLES, ROOT, from_file, from_text, the_controller
 
 from fuzzyspec.check.bounding import bounded_floor
 from fuzzyspec.check.coverage import controller_floors
 from fuzzyspec.check.lattice import lattice_floor
 from fuzzyspec.check.strength import Spot, setters_of
+from tests.check_rules.random_controllers import PLACES, controllers, strength
+from tests.check_rules.specs import EXAMPLES, ROOT, from_file, from_text, the_controller
 
 
 def sound_controller(text):

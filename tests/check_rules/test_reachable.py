@@ -9,11 +9,11 @@ from fractions import Fraction
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from specs import from_text, the_controller
 
 from fuzzyspec.check.degrees import core
 from fuzzyspec.check.reachable import reach
 from fuzzyspec.exact import evaluate_controller_exactly
+from tests.check_rules.specs import from_text, the_controller
 
 PLACES = st.integers(-2, 12)
 

@@ -6,9 +6,9 @@ import json
 from fractions import Fraction
 
 import pytest
-from specs import EXAMPLES, from_file, from_text
 
 from fuzzyspec.check.report import module_report
+from tests.check_rules.specs import EXAMPLES, from_file, from_text
 
 VELOCITY = """\
 controller velocity

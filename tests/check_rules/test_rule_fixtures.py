@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from specs import FIXTURES, from_file
 
 from fuzzyspec.diagnostics import codes_rules
 from fuzzyspec.diagnostics.codes import REGISTRY
+from tests.check_rules.specs import FIXTURES, from_file
 
 BROKEN = sorted(FIXTURES.glob("fz3*.fz"))
 

@@ -9,8 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from emit_holding import HOLDING
-from emit_random import list_program, scalar_program
 
 from fuzzyspec.diagnostics.diagnostic import Source
 from fuzzyspec.emit import Plan, emit
@@ -20,6 +18,8 @@ from fuzzyspec.fixed.program import Function, ListPort, Program
 from fuzzyspec.fixed.run import run
 from fuzzyspec.model.system import Module
 from fuzzyspec.native import Death, NativeModule, NativeProcess
+from tests.emit.emit_holding import HOLDING
+from tests.emit.emit_random import list_program, scalar_program
 
 STRICT = [
     *("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Wshadow", "-Werror", "-Wundef"),

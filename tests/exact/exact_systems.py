@@ -5,7 +5,6 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from exact_models import NOWHERE, controller, grid, output_of, partitioned, table, variable
 from hypothesis import strategies as st
 
 from fuzzyspec.model.controller import Behavior, Controller, Fallback, Inference
@@ -44,6 +43,7 @@ from fuzzyspec.model.system import (
 from fuzzyspec.model.term import Singleton
 from fuzzyspec.model.units import Unit
 from fuzzyspec.model.variable import Variable
+from tests.exact.exact_models import NOWHERE, controller, grid, output_of, partitioned, table, variable
 
 QUARTER = Unit("q", (), Fraction(1, 4))
 SHIFTED = Unit("s", (), Fraction(2), Fraction(3))

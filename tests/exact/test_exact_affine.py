@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from exact_models import NOWHERE, grid
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyspec.exact.affine import affine
 from fuzzyspec.model.system import Abs, Add, Const, Div, Expr, Let, Mul, Neg, ReadField, ReadInput, ReadLet, Sub
+from tests.exact.exact_models import NOWHERE, grid
 
 X, Y, LET = ReadInput("x"), ReadField("items", "y"), ReadLet("l", None)
 

@@ -7,7 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_models import (
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fuzzyspec.exact import controller_point, evaluate_controller, evaluate_controller_exactly
+from fuzzyspec.model.controller import Behavior, Controller, Fallback, Inference, Input, Is, Not
+from fuzzyspec.model.term import Singleton
+from tests.exact.exact_models import (
     controller,
     controllers,
     danger,
@@ -23,13 +29,7 @@ from exact_models import (
     variable,
     w3,
 )
-from exact_rounding import output_error, strength_error
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
-from fuzzyspec.exact import controller_point, evaluate_controller, evaluate_controller_exactly
-from fuzzyspec.model.controller import Behavior, Controller, Fallback, Inference, Input, Is, Not
-from fuzzyspec.model.term import Singleton
+from tests.exact.exact_rounding import output_error, strength_error
 
 
 def _hand_worked(full: bool, eta_t: str, eta_d: str, ddc: str) -> Any:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-from exact_models import NOWHERE
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyspec.exact import dequantise
 from fuzzyspec.model.units import ONE
 from fuzzyspec.model.variable import Raw, Variable
+from tests.exact.exact_models import NOWHERE
 
 
 def _variable(step: Fraction, origin: Fraction) -> Variable:

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_rounding import U, output_error, strength_error
 
 from fuzzyspec.check import check
 from fuzzyspec.diagnostics.diagnostic import Source
@@ -25,6 +24,7 @@ from fuzzyspec.exact import (
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import ListInput, System
 from fuzzyspec.syntax import parse
+from tests.exact.exact_rounding import U, output_error, strength_error
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LANES = 60

@@ -7,15 +7,25 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from exact_models import controller, grid, inputs_of, output_of, partitioned_output, peak_lists, points_of, shape, table
-from exact_models import controllers as any_controllers
-from exact_rounding import U, output_error
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from fuzzyspec.exact import Point, controller_point, evaluate_controller
 from fuzzyspec.model.controller import And, Antecedent, Controller, Fallback, Inference, Is, Not, Or, Output
 from fuzzyspec.model.term import PiecewiseLinear, Singleton
+from tests.exact.exact_models import (
+    controller,
+    grid,
+    inputs_of,
+    output_of,
+    partitioned_output,
+    peak_lists,
+    points_of,
+    shape,
+    table,
+)
+from tests.exact.exact_models import controllers as any_controllers
+from tests.exact.exact_rounding import U, output_error
 
 CELLS = 100_001
 """Parts that the oracles cut the output axis into."""

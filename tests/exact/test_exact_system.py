@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_models import NOWHERE, controller, danger, partitioned, partitioned_output, sentence, variable
-from exact_systems import CAPACITY, steps, systems
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -45,6 +43,8 @@ from fuzzyspec.model.system import (
 )
 from fuzzyspec.model.units import Unit
 from fuzzyspec.model.variable import Raw, Variable
+from tests.exact.exact_models import NOWHERE, controller, danger, partitioned, partitioned_output, sentence, variable
+from tests.exact.exact_systems import CAPACITY, steps, systems
 
 
 @settings(max_examples=300)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from specs import FIXTURES, SOUND
 
 from fuzzyspec.check import check
 from fuzzyspec.diagnostics.codes import REGISTRY
 from fuzzyspec.diagnostics.diagnostic import Diagnostic
 from fuzzyspec.syntax import parse, source_from_bytes
+from tests.syntax.specs import FIXTURES, SOUND
 
 BROKEN = sorted(FIXTURES.glob("fz*.fz"))
 WITHOUT_FILE = {"FZ120", "FZ901"}

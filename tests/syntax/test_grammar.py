@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 from lark import Lark, LarkError
-from specs import EVERYTHING, SOUND
 
 from fuzzyspec.diagnostics.diagnostic import Source
 from fuzzyspec.resources import read_text
 from fuzzyspec.syntax import build_crisp, build_fuzzy, generate, parse, table, tokens
+from tests.syntax.specs import EVERYTHING, SOUND
 
 
 @pytest.fixture(scope="module")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 
 import pytest
-from specs import ROOT
 
 from fuzzyspec.check import check
 from fuzzyspec.diagnostics.diagnostic import Source
 from fuzzyspec.syntax import limits, parse, parser, tokens
 from fuzzyspec.syntax.table import load
+from tests.syntax.specs import ROOT
 
 PAGE = (ROOT / "docs" / "language.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^```fz ?(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)

@@ -8,13 +8,13 @@ import time
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from specs import EVERYTHING, SOUND
 
 from fuzzyspec.check import check
 from fuzzyspec.diagnostics.codes import REGISTRY
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source
 from fuzzyspec.diagnostics.render import as_json, render
 from fuzzyspec.syntax import limits, parse, source_from_bytes
+from tests.syntax.specs import EVERYTHING, SOUND
 
 TEXTS = [EVERYTHING, *(p.read_text(encoding="utf-8") for p in SOUND)]
 PIECES = [re.findall(r"\w+|\s+|[^\w\s]", text) for text in TEXTS]

@@ -6,10 +6,10 @@ from dataclasses import fields, is_dataclass
 from fractions import Fraction
 
 import pytest
-from specs import EVERYTHING
 
 from fuzzyspec.diagnostics.diagnostic import Source, Span
 from fuzzyspec.syntax import parse, tree
+from tests.syntax.specs import EVERYTHING
 
 
 def read(text: str) -> tree.Module:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from fractions import Fraction
-from pathlib import Path
 
 import pytest
 
@@ -30,8 +28,6 @@ from fuzzyspec.fixed.program import (
 )
 from fuzzyspec.model.units import ONE
 from fuzzyspec.model.variable import Raw, Variable
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 HEADER = b"""\
 #include <stdint.h>

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from fractions import Fraction
 
 import pytest
-import verify_specs
 
 from fuzzyspec import api
 from fuzzyspec.verify import Options, Report, TheirC, as_json, as_text, verify
+from tests.verify import verify_specs
 
 Edit = Callable[[str], str]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-import verify_specs
 
 from fuzzyspec import api
 from fuzzyspec.verify import ScenarioError, read_scenario
+from tests.verify import verify_specs
 
 HEADER = "time, x, parts.0.size, parts.0.kind, parts.1.size, parts.1.kind\n"
 

@@ -6,11 +6,11 @@ import json
 from pathlib import Path
 
 import pytest
-import verify_specs
 
 from fuzzyspec import api
 from fuzzyspec.cli.main import main
 from fuzzyspec.emit import write
+from tests.verify import verify_specs
 
 FEW = ["--cases", "500"]
 
