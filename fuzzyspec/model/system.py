@@ -1,8 +1,8 @@
 """A checked system: crisp arithmetic, lists and controllers calling controllers.
 
 Every expression's value is in coherent units (``Unit.to_coherent``), exact rationals throughout; the only conversions
-are at ``ReadInput``/``ReadField``/``CallOutput`` and at the places that take a value (arguments, outputs). Every node that
-decides carries a ``key``, unique within its system, under which both meanings report the decision.
+are at ``ReadInput``/``ReadField``/``CallOutput`` and at the places that take a value (arguments, outputs). Every node
+that decides carries a ``key``, unique within its system, under which both meanings report the decision.
 """
 
 from __future__ import annotations
@@ -204,9 +204,9 @@ class Let:
 class Call:
     """A controller called once a step (or once an element).
 
-    ``id`` is unique in the system; it is the name of the ``let`` it is bound to, else ``<controller>_<n>``. ``arguments``
-    follow the controller's input order, each saturated to that input's range and rounded to its raw. The decisions of
-    the call are recorded under ``<id>.fires.<output>`` and ``<id>.acting``.
+    ``id`` is unique in the system; it is the name of the ``let`` it is bound to, else ``<controller>_<n>``.
+    ``arguments`` follow the controller's input order, each saturated to that input's range and rounded to its raw. The
+    decisions of the call are recorded under ``<id>.fires.<output>`` and ``<id>.acting``.
     """
 
     id: str
@@ -241,8 +241,8 @@ class ListInput:
 class SystemOutput:
     """A number that leaves the step.
 
-    ``bare`` is (call id, output) where the value is a controller's output handed on: it keeps that raw. ``saturates`` is
-    True where the range was declared and the value's own interval is not inside it (a status bit then tells).
+    ``bare`` is (call id, output) where the value is a controller's output handed on: it keeps that raw. ``saturates``
+    is True where the range was declared and the value's own interval is not inside it (a status bit then tells).
     """
 
     variable: Variable
