@@ -60,6 +60,10 @@ class Piece:
     line: Line
 
 
+STEEP = 2
+"""A last rise over fewer raws is not run past its peak and capped: that could leave 32 bits."""
+
+
 def position(raw: Raw, value: Fraction) -> Fraction:
     """Counts from the end of the legal raws that has the lowest value; increases with the value."""
     return raw.position(value) - raw.lo if raw.step > 0 else raw.hi - raw.position(value)
@@ -111,10 +115,14 @@ def _strong(
         low, high = places[k], places[k + 1]
         start = max(0, math.ceil(low))
         end = at.hi if k == last else min(at.hi, math.ceil(high) - 1)
+        if k == last and high - low < STEEP and math.ceil(high) <= at.hi:
+            chain = ((Assign(first, Const(k)),) if k else ()) + (Assign(degree, Const(DEGREE_ONE)),)
+            lowest = math.ceil(high)
+            end = lowest - 1
         if end < start:
             continue
-        # Beyond the last peak the degree stays 1, below the first it stays 0.
-        straight = min(end, math.floor(high)) if k == last else end
+        # Beyond the last peak the degree stays 1 (a peak between two raws is passed, and capped), below the first 0.
+        straight = min(end, math.ceil(high)) if k == last else end
         slope = DEGREE_ONE / (high - low)
         line = fit((start - low) * slope, slope, max(0, straight - start))
         worst = max(worst, line.error)
