@@ -31,6 +31,7 @@ test: lint pytest ## ruff, mypy, the import contract and the tests: under ten mi
 
 lint: .venv/for-test
 	@$(BIN)/python -m ruff check --quiet
+	@$(BIN)/python -m ruff format --check
 	@$(BIN)/python -m mypy
 	@$(BIN)/lint-imports --no-logo
 

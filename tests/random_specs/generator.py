@@ -32,7 +32,9 @@ class SpecWriter:
     def counts(self, raw: str) -> str:
         """Counts or a step for some of the raws, else nothing."""
         if self.random.random() < 0.12:
-            ends = self.random.choice((" raw uint16 0..4095", " raw uint16 4095..0", " raw int16 -1000..1000", " raw uint8 0..200"))
+            ends = self.random.choice(
+                (" raw uint16 0..4095", " raw uint16 4095..0", " raw int16 -1000..1000", " raw uint8 0..200")
+            )
             return ends
         return raw
 
@@ -67,7 +69,8 @@ class SpecWriter:
                 lines.append(f"term {name} = ramp_up({number(a)}, {number(b)})")
             elif kind == "points":
                 y = Fraction(self.random.randint(5, 9), 10)
-                lines.append(f"term {name} = points(({number(a)}, 0), ({number(b)}, {number(y)}), ({number(c)}, 1), ({number(d)}, 0))")
+                points = ", ".join(f"({number(x)}, {number(v)})" for x, v in ((a, 0), (b, y), (c, 1), (d, 0)))
+                lines.append(f"term {name} = points({points})")
             elif kind == "triangle":
                 lines.append(f"term {name} = triangle({number(a)}, {number((b + c) / 2)}, {number(d)})")
             else:
@@ -106,12 +109,16 @@ class SpecWriter:
                 body = self.shapes(labels, lo, hi)
             else:
                 body = self.partition(labels, lo, hi, output=True)
-            settle = r.choice((f"otherwise {number(lo + (hi - lo) / 4)}", f"otherwise hold initial {number((lo + hi) / 2)}"))
+            settle = r.choice(
+                (f"otherwise {number(lo + (hi - lo) / 4)}", f"otherwise hold initial {number((lo + hi) / 2)}")
+            )
             outputs.append(f"y{o}")
             consequents.append(labels)
             lines.append(f"  output y{o} in [{number(lo)}, {number(hi)}]{raw} {{ {body}  {settle} }}")
         if sugeno:
-            infer = "and = product, defuzzify = weighted_average" if r.random() < 0.7 else "defuzzify = weighted_average"
+            infer = (
+                "and = product, defuzzify = weighted_average" if r.random() < 0.7 else "defuzzify = weighted_average"
+            )
             lines.append(f"  infer {{ {infer} }}")
         elif r.random() < 0.2:
             lines.append("  infer { and = product }")
@@ -143,7 +150,7 @@ class SpecWriter:
     def behaviors(
         self, names: list[str], terms: list[list[str]], outputs: list[str], consequents: list[list[str]]
     ) -> str:
-        """Disjoint rules within a behavior (by the first input's term), overlapping between behaviors; holes are allowed."""
+        """Rules disjoint within a behavior (by the first input's term), overlapping between them, perhaps with holes."""
         blocks = []
         for priority, behavior in ((3, "Dodge"), (2, "Seek"), (1, "Cruise")):
             rules = []
@@ -205,7 +212,9 @@ class SpecWriter:
         lists = r.random() < 0.6
         if lists:
             capacity = r.choice((1, 3, 32))
-            lines.append(f"  input items[{capacity}] {{ size in [0, {number(self.number(1, 9))}], side in [-180, 180] }}")
+            lines.append(
+                f"  input items[{capacity}] {{ size in [0, {number(self.number(1, 9))}], side in [-180, 180] }}"
+            )
             if r.random() < 0.5:
                 lines += ["  for each o in items {", "    let o.part = max(0, o.size * 3 - w / 7 - 0.2)", "  }"]
                 body = "o.part"
