@@ -150,7 +150,7 @@ class SpecWriter:
     def behaviors(
         self, names: list[str], terms: list[list[str]], outputs: list[str], consequents: list[list[str]]
     ) -> str:
-        """Rules disjoint within a behavior (by the first input's term), overlapping between them, perhaps with holes."""
+        """Rules disjoint within a behavior (by the first input's term), overlapping between them, maybe with holes."""
         blocks = []
         for priority, behavior in ((3, "Dodge"), (2, "Seek"), (1, "Cruise")):
             rules = []
