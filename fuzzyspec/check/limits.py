@@ -25,14 +25,18 @@ def check_limits(module: Module, names: Mapping[str, Span], report: Report) -> N
                     f"{kind} `{f.name}` needs {bits} status bits",
                     names[f.name],
                     label=f"the status holds {MOST_STATUS_BITS}",
-                    help="each input, list field, list, saturating output and fallback takes one: split it",
+                    help="each input, list field, list, saturating output and output that holds takes one: split it",
                 )
             )
 
 
 def _bits(f: Controller | System) -> int:
     if isinstance(f, Controller):
-        return len(f.inputs) + sum(o.fallback is not None for o in f.outputs)
+        return len(f.inputs) + _held(f)
     ports = sum(len(i.fields) + 1 if isinstance(i, ListInput) else 1 for i in f.inputs)
     saturating = sum(isinstance(o, SystemOutput) and o.saturates for o in f.outputs)
-    return ports + saturating + sum(o.fallback is not None for c in f.calls for o in c.controller.outputs)
+    return ports + saturating + sum(_held(c.controller) for c in f.calls)
+
+
+def _held(controller: Controller) -> int:
+    return sum(o.fallback is not None and o.fallback.hold for o in controller.outputs)

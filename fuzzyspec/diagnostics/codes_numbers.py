@@ -300,8 +300,7 @@ CODES: tuple[Code, ...] = (
         "too many status bits",
         """
         A function returns a status with a bit for every input and list field that can be out of range, every
-        list that can be too long, every output that can saturate and every output that can fall back: 32 at
-        most.
+        list that can be too long, every output that can saturate and every output that holds: 32 at most.
 
         Split the system, or leave out what need not be told.
         """,
