@@ -182,7 +182,7 @@ def _statement(statement: Stmt, depth: int, context: _Context) -> Iterator[str]:
             yield from code(f"{declared} = {stored(statement.value, statement.local.ctype, names)};", depth)
         case DefineArray():
             declared = f"{spelled(statement.ctype)} {names.locals[statement.name]}[{statement.size}]"
-            yield from code(f"{declared} = {{ 0 }};", depth)
+            yield from code(f"{declared};", depth)
         case Assign():
             target = names.locals[statement.local.name]
             yield from code(f"{target} = {stored(statement.value, statement.local.ctype, names)};", depth)

@@ -231,7 +231,7 @@ class Define:
 
 @dataclass(frozen=True, slots=True)
 class DefineArray:
-    """A zeroed local array of ``size`` elements."""
+    """A local array of ``size`` elements, each to be set before it is read (zeroed in the numpy model)."""
 
     name: str
     ctype: CType

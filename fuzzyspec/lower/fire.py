@@ -24,7 +24,6 @@ from fuzzyspec.fixed.program import (
     Const,
     CType,
     Define,
-    DefineArray,
     Element,
     Expr,
     Local,
@@ -33,6 +32,7 @@ from fuzzyspec.fixed.program import (
     Table,
     Test,
 )
+from fuzzyspec.lower.arrays import zeroed
 from fuzzyspec.lower.fuzzify import Degrees
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.scope import Scope
@@ -88,7 +88,7 @@ def fire(controller: Controller, degrees: list[Degrees], scope: Scope) -> Firing
         firing.levels.append(name)
         size = len(output.terms) + (1 if _has_holes(controller, o) else 0)
         element = firing.level(o, Const(0))
-        firing.body.append(DefineArray(name, element.ctype, size))
+        firing.body += zeroed(name, element.ctype, size, scope)
         if not controller.always_fires[o]:
             best = Local(scope.name(f"{output.name}_strongest"), "uint32", 0, firing.one)
             firing.strongest[o] = best

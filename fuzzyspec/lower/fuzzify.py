@@ -26,6 +26,7 @@ from fuzzyspec.fixed.program import (
     Local,
     Stmt,
 )
+from fuzzyspec.lower.arrays import zeroed
 from fuzzyspec.lower.lines import DEGREE_ONE, Line, fit
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Input
@@ -89,7 +90,7 @@ def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool) -> tuple[list[Stm
     if item.peaks is not None and len(item.peaks) > 1:
         return _strong(item, item.peaks, at, scope, dense, body)
     array = scope.name(f"{item.name}_mu")
-    body.append(DefineArray(array, "uint16", len(item.terms)))
+    body += zeroed(array, "uint16", len(item.terms), scope)
     worst = Fraction(0)
     for k, term in enumerate(item.terms):
         pieces = straight_pieces(term.shape, variable.raw)
@@ -141,7 +142,7 @@ def _strong(
     array = scope.name(f"{item.name}_mu")
     low_degree = build.sub(Const(DEGREE_ONE), degree)
     if dense:
-        body.append(DefineArray(array, "uint16", len(places)))
+        body += zeroed(array, "uint16", len(places), scope)
         body.append(AssignElement(array, "uint16", index, low_degree))
         body.append(AssignElement(array, "uint16", build.add(index, Const(1)), degree))
         return body, Degrees(array, len(places), Const(0), worst / DEGREE_ONE)
