@@ -42,7 +42,7 @@ class Damage:
         if not self:
             return False
         span = diagnostic.span
-        if span.start == span.end or f"`{MISSING}`" in diagnostic.message:
+        if span.start == span.end or f"`{MISSING}`" in f"{diagnostic.message} {diagnostic.help}":
             # What the parser put in for something missing.
             return True
         if any(self._lines & self._lines_of(s) for s in (span, *(at.span for at in diagnostic.labels))):

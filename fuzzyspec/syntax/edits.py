@@ -25,8 +25,10 @@ from fuzzyspec.syntax.table import Table
 from fuzzyspec.syntax.tokens import END, Token
 
 _MARKS = frozenset({"COMMA", "COLON", "EQUAL", "LBRACE", "LPAR", "LSQB", "SLASH", "DOTS"})
-_INNER_WORDS = frozenset({"IN", "IS", "THEN", "AT", "BY", "PRIORITY", "EACH", "ELSE", "INITIAL", "OTHERWISE", "FOR"})
-_FIRST_WORDS = frozenset({"IF", "LET", "TERM", "PARTITION"})
+_INNER_WORDS = frozenset(
+    {"AND", "IN", "IS", "THEN", "AT", "BY", "PRIORITY", "EACH", "ELSE", "INITIAL", "OTHERWISE", "FOR"}
+)
+_FIRST_WORDS = frozenset({"MODULE", "CONTROLLER", "SYSTEM", "IF", "LET", "TERM", "PARTITION"})
 _REPLACEABLE = _MARKS | set(OPENERS) | {"COMPARE", "DOT", "AND", "IS", "IN", "FOR"}
 _FUNCTIONS = frozenset({"min", "max", "clamp", "abs", "sum", "count"})
 _HINTS = {
@@ -91,7 +93,7 @@ def _misspelt(reading: Reading, at: int) -> Iterator[Edit]:
             yield Edit(at, told, 0.5, (token._replace(text=text),), 1)
     if "PLUS" in kinds or kinds & BEGINS or reading.table.keywords.get(token.text) in BEGINS - {"FOR", "IF"}:
         return
-    for kind in sorted(kinds & (_INNER_WORDS | {"IF"})):
+    for kind in sorted(kinds & (_INNER_WORDS - {"AND"} | {"IF"})):
         text = reading.table.texts[kind]
         told = Diagnostic(
             "FZ102", message, token.span, f"write `{text}`", help=_HINTS.get(kind) if kind != "IF" else None
@@ -140,7 +142,10 @@ def _inserted(reading: Reading, at: int) -> Iterator[Edit]:
     name = made(reading.table, "NAME", start)
     for kind in sorted(kinds & (_MARKS | _INNER_WORDS | _FIRST_WORDS)):
         in_points = cell.below is not None and cell.below.symbol == "POINTS"
-        if kind in ("LPAR", "LSQB") and (in_points or not _closes_ahead(reading, at, kind)):
+        arguments = kind == "LPAR" and token.kind == "LABEL"
+        if kind in ("LPAR", "LSQB") and (in_points or not (arguments or _closes_ahead(reading, at, kind))):
+            continue
+        if kind in ("CONTROLLER", "SYSTEM") and (kind == "SYSTEM") != _computes(reading.tokens, at):
             continue
         if (kind == "SLASH" and arithmetic) or (kind == "OTHERWISE" and cell.symbol != "COMMA"):
             continue
@@ -163,6 +168,13 @@ def _inserted(reading: Reading, at: int) -> Iterator[Edit]:
         if kind in kinds:
             yield Edit(at, unexpected(reading, at), 2.0, (made(reading.table, kind, start),))
             break
+
+
+def _computes(tokens: list[Token], at: int) -> bool:
+    """Whether the block ahead looks like a system's: it has a word that no controller has."""
+    brace = next((i for i in range(at, min(at + 3, len(tokens))) if tokens[i].kind == "LBRACE"), None)
+    end = None if brace is None else partner(tokens, brace)
+    return brace is not None and any(t.text in ("let", "param", "for") for t in tokens[brace:end])
 
 
 def _closes_ahead(reading: Reading, at: int, opener: str) -> bool:
@@ -201,7 +213,10 @@ def _replaced(reading: Reading, at: int) -> Iterator[Edit]:
             continue
         text = "==" if other == "COMPARE" else reading.table.texts[other]
         swaps: dict[int, Token] = {}
-        if kind in CLOSERS and (end := partner(reading.tokens, at)) is not None:
+        end = partner(reading.tokens, at) if kind in CLOSERS else None
+        if kind == "LBRACE" and end is not None and _is_block(reading.tokens, at, end):
+            continue
+        if end is not None:
             closer = CLOSERS[other]
             swaps[end] = reading.tokens[end]._replace(kind=closer, text=reading.table.texts[closer])
         told = Diagnostic(
@@ -213,6 +228,11 @@ def _replaced(reading: Reading, at: int) -> Iterator[Edit]:
         )
         new = token._replace(kind="WORD" if text.isalpha() else other, text=text)
         yield Edit(at, told, 1.0, (new,), 1, swaps)
+
+
+def _is_block(tokens: list[Token], start: int, end: int) -> bool:
+    """Whether a pair of brackets spans lines."""
+    return any(token.first for token in tokens[start + 1 : end + 1])
 
 
 def _reason(kind: str, other: str, cell: Cell) -> str | None:

@@ -13,13 +13,8 @@ def source_from_bytes(name: str, data: bytes) -> tuple[Source, tuple[Diagnostic,
     """
     data = data.removeprefix(b"\xef\xbb\xbf")
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        whole = Diagnostic(
-            "FZ130",
-            "the file is UTF-16",
-            Span(0, 0),
-            help="save it as UTF-8",
-        )
-        return Source(name, ""), (whole,)
+        wide = data.decode("utf-16", errors="replace").replace("\r\n", "\n").replace("\r", "\n").replace("\0", " ")
+        return Source(name, wide), (Diagnostic("FZ130", "the file is UTF-16", Span(0, 0), help="save it as UTF-8"),)
     text = data.decode("utf-8", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     valid = _is_utf8(data)
     found: list[Diagnostic] = []

@@ -53,8 +53,9 @@ _ODD_NUMBER = re.compile(
 )
 _WORD = re.compile(r"[^\W\d]\w*")
 _COLON = re.compile(r"[ \t]*:(?!=)")
-_FACTOR = r"(?:[A-Za-z_][A-Za-z0-9_]*|%)(?:\^-?[0-9]{1,2})?"
+_FACTOR = r"(?:[A-Za-z_][A-Za-z0-9_]*|%)(?:\^-?[0-9]+)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*")
+_LONG_POWER = re.compile(r"\^-?[0-9]{3,}")
 _COMPARE = re.compile(r"<=|>=|==|!=|<|>")
 
 
@@ -179,7 +180,14 @@ class _Scanner:
             self.found.append(strays.odd_unit(word.group(), span))
             return self._add("UNIT", strays.plain_unit(word.group()), at, word.end())
         assert unit is not None
-        return self._add("UNIT", unit.group(), at, unit.end())
+        factors = unit.group()
+        if _LONG_POWER.search(factors):
+            told = Diagnostic(
+                "FZ108", "a power of more than two digits", Span(*unit.span()), help="write a unit such as `m/s^2`"
+            )
+            self.found.append(told)
+            factors = _LONG_POWER.sub("", factors)
+        return self._add("UNIT", factors, at, unit.end())
 
     def _stray(self, text: str, at: int) -> int:
         after_number = bool(self.tokens) and self.tokens[-1].kind in ("NUMBER", "RSQB")

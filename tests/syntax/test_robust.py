@@ -103,7 +103,7 @@ def test_any_change_of_a_sound_spec(data: st.DataObject) -> None:
         ("module m param x = 1." + "9" * 5_000, "FZ122"),
         ("module m param x = 1e999999999", "FZ108"),
         ("module m param x = 0x" + "f" * 100_000, "FZ108"),
-        ("module m param x = 1 m^99999999999", "FZ101"),
+        ("module m param x = 1 m^99999999999", "FZ108"),
         ("module " + "m" * 100_000, "FZ213"),
         ("module m\n" + "}\n" * 10_000, "FZ106"),
         ("module m\n" + '"' * 100_000, "FZ107"),
