@@ -43,7 +43,7 @@ from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Output
 
 HALF = Fraction(1, 2)
-SUM_LIMIT = 2**31 - 2**16
+SUM_LIMIT = 2**24 - 2**9
 """Area sums stay below the quotient's 2**31, with room for every rounding in them."""
 MAX_DENOMINATOR = 64
 """References with a common denominator up to this are exact integer weights."""
@@ -158,7 +158,7 @@ def _scale(forms: tuple[ClippedSet, ...]) -> _Scale:
             unit = min(unit, f.pieces[0].width[0])
     total = max(sum((f.full_area for f in forms if f.sign == sign), Fraction(0)) for sign in (1, -1))
     exponent = 31
-    while total / unit * 2**exponent * weight >= SUM_LIMIT - 2**20:
+    while total / unit * 2**exponent * weight >= SUM_LIMIT - 2**13:
         exponent -= 1
     return _Scale(Fraction(2) ** exponent / unit, weight, exact)
 

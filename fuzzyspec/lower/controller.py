@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Literal
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import (
@@ -31,9 +32,14 @@ from fuzzyspec.lower.average import AverageNumbers, average
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
 from fuzzyspec.lower.fire import Firing, fire
 from fuzzyspec.lower.fuzzify import fuzzify
+from fuzzyspec.lower.minors import applies as minors_apply
+from fuzzyspec.lower.minors import fire_minors
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Controller, Output
 from fuzzyspec.model.variable import Variable
+
+Goal = Literal["speed", "balanced", "size"]
+"""What the strategies are chosen for."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +82,14 @@ def saturated(variable: Variable, given: Expr, name: str, bit: str, scope: Scope
     return body, legal
 
 
-def lower_controller(controller: Controller) -> tuple[Function, ControllerNumbers]:
-    """Raises RangeError and TooManySets where the integers do not go."""
+def lower_controller(controller: Controller, optimize: Goal = "balanced") -> tuple[Function, ControllerNumbers]:
+    """Choose the strategies for ``optimize`` and lower. Raises RangeError and TooManySets where the integers do
+    not go."""
     scope = Scope()
     body: list[Stmt] = []
     status: list[StatusBit] = []
     degrees = []
+    bare = optimize != "size" and minors_apply(controller)
     for item in controller.inputs:
         variable = item.variable
         low, high = build.LIMITS[variable.raw.ctype]
@@ -92,10 +100,10 @@ def lower_controller(controller: Controller) -> tuple[Function, ControllerNumber
         body.append(Comment(f"{item.name}: degrees of {', '.join(t.name for t in item.terms)}"))
         steps, raw = saturated(variable, given, variable.name, bit, scope)
         body += steps
-        steps, found = fuzzify(item, raw, scope, dense=bool(controller.sentences))
+        steps, found = fuzzify(item, raw, scope, bool(controller.sentences), bare)
         body += steps
         degrees.append(found)
-    firing = fire(controller, degrees, scope)
+    firing = fire(controller, degrees, scope, fire_minors if bare else None)
     body += firing.body
     threshold = max(1, math.floor(controller.fires_at * firing.one + Fraction(1, 2)))
     body += _acting(controller, firing, threshold)

@@ -9,6 +9,7 @@ their sum.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import assert_never
@@ -74,8 +75,11 @@ class Firing:
         return Element(self.levels[output], ctype, term, 0, self.top, False)
 
 
-def fire(controller: Controller, degrees: list[Degrees], scope: Scope) -> Firing:
-    """Statements that fill the level arrays of a controller."""
+CellFiring = Callable[[Controller, CellRules, list[Degrees], "Firing", Scope], None]
+
+
+def fire(controller: Controller, degrees: list[Degrees], scope: Scope, cells: CellFiring | None = None) -> Firing:
+    """Statements that fill the level arrays of a controller; ``cells`` fires its cell rules (else the loops here)."""
     sums = controller.infer.aggregate == "sum"
     rules = _rule_count(controller, degrees)
     bits = DEGREE_BITS
@@ -94,7 +98,7 @@ def fire(controller: Controller, degrees: list[Degrees], scope: Scope) -> Firing
             firing.strongest[o] = best
             firing.body.append(Define(best, Const(0), False))
     if controller.cells is not None:
-        _cells(controller, controller.cells, degrees, firing, scope)
+        (cells or fire_loops)(controller, controller.cells, degrees, firing, scope)
     for number, rule in enumerate(controller.sentences):
         _sentence(controller, number, rule, degrees, firing, scope)
     return firing
@@ -112,11 +116,10 @@ def _has_holes(controller: Controller, output: int) -> bool:
 # --- cells -----------------------------------------------------------------------------------
 
 
-def _cells(controller: Controller, cells: CellRules, degrees: list[Degrees], firing: Firing, scope: Scope) -> None:
-    strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(cells.shape))]
-    base: Expr = Const(0)
-    for d, stride in zip(degrees, strides, strict=True):
-        base = build.add(base, build.mul(d.first, Const(stride)))
+def consequent_tables(
+    controller: Controller, cells: CellRules, firing: Firing, scope: Scope
+) -> list[tuple[int, Table]]:
+    """For each output that cells set, the table of its term by cell; a cell that leaves it unset names no term."""
     consequents: list[tuple[int, Table]] = []
     for o, output in enumerate(controller.outputs):
         terms = cells.consequents[o]
@@ -125,14 +128,49 @@ def _cells(controller: Controller, cells: CellRules, degrees: list[Degrees], fir
         values = tuple(len(output.terms) if t == -1 else t for t in terms)
         consequents.append((o, Table(scope.name(f"{output.name}_rules"), "uint8", values)))
     firing.tables += [t for _, t in consequents]
-    owners: Table | None = None
-    if controller.behaviors:
-        owners = Table(scope.name("owners"), "uint8", cells.owner)
-        firing.tables.append(owners)
-        firing.acting = Local(scope.name("acting"), "uint8", 0, max(cells.owner))
-        firing.acting_strength = Local(scope.name("strongest"), "uint32", 0, firing.one)
-        firing.body.append(Define(firing.acting, Const(0), False))
-        firing.body.append(Define(firing.acting_strength, Const(0), False))
+    return consequents
+
+
+def owner_table(controller: Controller, cells: CellRules, firing: Firing, scope: Scope) -> Table | None:
+    """The behavior that owns each cell, and the locals of ``acting``; None without behaviors."""
+    if not controller.behaviors:
+        return None
+    owners = Table(scope.name("owners"), "uint8", cells.owner)
+    firing.tables.append(owners)
+    firing.acting = Local(scope.name("acting"), "uint8", 0, max(cells.owner))
+    firing.acting_strength = Local(scope.name("strongest"), "uint32", 0, firing.one)
+    firing.body.append(Define(firing.acting, Const(0), False))
+    firing.body.append(Define(firing.acting_strength, Const(0), False))
+    return owners
+
+
+def act(owners: Table, row: Expr, strength: Local, firing: Firing, scope: Scope) -> list[Stmt]:
+    """A cell may own the strongest strength; on equal ones the lower code (the higher priority) acts."""
+    acting, best = firing.acting, firing.acting_strength
+    assert acting is not None and best is not None
+    owner = Local(scope.name("owner"), "uint8", min(owners.values), max(owners.values))
+    stronger: Test = AnyOf(
+        (
+            build.compare(">", strength, best),
+            AllOf((build.compare("==", strength, best), build.compare("<", owner, acting))),
+        )
+    )
+    if owner.lo == 0:
+        stronger = AllOf((build.compare(">", owner, Const(0)), stronger))
+    return [
+        Define(owner, Element(owners.name, "uint8", row, owner.lo, owner.hi, True), True),
+        Branch(stronger, (Assign(acting, owner), Assign(best, strength))),
+    ]
+
+
+def fire_loops(controller: Controller, cells: CellRules, degrees: list[Degrees], firing: Firing, scope: Scope) -> None:
+    """Walk the slots of every input in nested loops, the partial strength carried from loop to loop."""
+    strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(cells.shape))]
+    base: Expr = Const(0)
+    for d, stride in zip(degrees, strides, strict=True):
+        base = build.add(base, build.mul(d.first, Const(stride)))
+    consequents = consequent_tables(controller, cells, firing, scope)
+    owners = owner_table(controller, cells, firing, scope)
     firing.body.append(Comment("rules: every cell of the active terms"))
     row: Expr = base
     if not isinstance(base, Const | Local):
@@ -212,27 +250,8 @@ class _Walk:
             holes = len(output.terms) if hi == len(output.terms) else None
             body += raise_level(self.controller, self.firing, o, term, strength, holes)
         if self.owners is not None:
-            body += self.act(row, strength)
+            body += act(self.owners, row, strength, self.firing, self.scope)
         return body
-
-    def act(self, row: Expr, strength: Local) -> list[Stmt]:
-        assert self.owners is not None
-        acting, best = self.firing.acting, self.firing.acting_strength
-        assert acting is not None and best is not None
-        values = self.owners.values
-        owner = Local(self.scope.name("owner"), "uint8", min(values), max(values))
-        stronger: Test = AnyOf(
-            (
-                build.compare(">", strength, best),
-                AllOf((build.compare("==", strength, best), build.compare("<", owner, acting))),
-            )
-        )
-        if owner.lo == 0:
-            stronger = AllOf((build.compare(">", owner, Const(0)), stronger))
-        return [
-            Define(owner, Element(self.owners.name, "uint8", row, owner.lo, owner.hi, True), True),
-            Branch(stronger, (Assign(acting, owner), Assign(best, strength))),
-        ]
 
 
 def raise_level(

@@ -40,13 +40,15 @@ class Degrees:
 
     Slot j of ``array`` holds the degree of term ``first + j``: two slots and a local ``first`` in a strong
     partition, else
-    a slot a term and 0. ``error`` bounds every degree's error, in degrees [0, 1].
+    a slot a term and 0. ``upper`` is the local with the upper term's degree where the two are kept without an array
+    (firing by minors then reads it). ``error`` bounds every degree's error, in degrees [0, 1].
     """
 
     array: str
     slots: int
     first: Expr
     error: Fraction
+    upper: Local | None = None
 
     def slot(self, index: Expr) -> Element:
         return Element(self.array, "uint16", index, 0, DEGREE_ONE, False)
@@ -75,10 +77,11 @@ def position_expr(raw: Raw, value: Expr) -> Expr:
     return build.sub(value, Const(raw.lo)) if raw.step > 0 else build.sub(Const(raw.hi), value)
 
 
-def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool) -> tuple[list[Stmt], Degrees]:
+def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool, bare: bool = False) -> tuple[list[Stmt], Degrees]:
     """Statements that compute the degrees of one input from its saturated raw.
 
-    ``dense`` asks for a slot for every term even in a strong partition (sentence rules name terms).
+    ``dense`` asks for a slot for every term even in a strong partition (sentence rules name terms); ``bare`` for no
+    array at all where the partition is strong.
     """
     variable = item.variable
     body: list[Stmt] = []
@@ -88,7 +91,7 @@ def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool) -> tuple[list[Stm
         body.append(Define(bound, at, True))
         at = bound
     if item.peaks is not None and len(item.peaks) > 1:
-        return _strong(item, item.peaks, at, scope, dense, body)
+        return _strong(item, item.peaks, at, scope, dense, bare, body)
     array = scope.name(f"{item.name}_mu")
     body += zeroed(array, "uint16", len(item.terms), scope)
     worst = Fraction(0)
@@ -100,7 +103,7 @@ def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool) -> tuple[list[Stm
 
 
 def _strong(
-    item: Input, peaks: tuple[Fraction, ...], at: Local, scope: Scope, dense: bool, body: list[Stmt]
+    item: Input, peaks: tuple[Fraction, ...], at: Local, scope: Scope, dense: bool, bare: bool, body: list[Stmt]
 ) -> tuple[list[Stmt], Degrees]:
     places = [position(item.variable.raw, p) for p in peaks]
     last = len(places) - 2
@@ -139,6 +142,8 @@ def _strong(
         chain = (Branch(build.compare(">=", at, Const(lowest)), chain),)
     body.extend(chain)
     index: Expr = first if last else Const(0)
+    if bare:
+        return body, Degrees("", 2, index, worst / DEGREE_ONE, degree)
     array = scope.name(f"{item.name}_mu")
     low_degree = build.sub(Const(DEGREE_ONE), degree)
     if dense:

@@ -14,7 +14,7 @@ from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.lower.bounds import Effort, bound_controller, means
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
-from fuzzyspec.lower.controller import ControllerNumbers, lower_controller
+from fuzzyspec.lower.controller import ControllerNumbers, Goal, lower_controller
 from fuzzyspec.lower.system import CallBounds, SystemNumbers, lower_system
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import Module, System
@@ -25,9 +25,13 @@ Means = tuple[CentroidBound | AverageBound, ...]
 
 @dataclass(frozen=True)
 class Options:
-    """``bounds``: ``quick`` derives in well under a second, ``thorough`` looks at fifty times as many boxes."""
+    """``bounds``: ``quick`` derives in well under a second, ``thorough`` looks at fifty times as many boxes.
+
+    ``optimize``: what the strategies are chosen for. Every choice computes the same outputs, bit for bit.
+    """
 
     bounds: Literal["quick", "thorough"] = "quick"
+    optimize: Goal = "balanced"
 
 
 EFFORTS: Mapping[str, tuple[Effort, Effort]] = {
@@ -64,7 +68,7 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     problems: list[Diagnostic] = []
     for controller in module.controllers:
         try:
-            function, found = lower_controller(controller)
+            function, found = lower_controller(controller, chosen.optimize)
         except (RangeError, TooManySets) as error:
             problems.append(_diagnostic(controller, error))
             continue
