@@ -35,6 +35,18 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         default="quick",
         help="how hard to work for the certified errors (default: quick)",
     )
+    parser.add_argument(
+        "--optimize",
+        choices=("speed", "balanced", "size"),
+        default="balanced",
+        help="what to choose the strategies for; the outputs are the same (default: balanced)",
+    )
+    parser.add_argument(
+        "--target",
+        choices=("generic", "cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr"),
+        default="generic",
+        help="the machine to choose the strategies for; the C runs on all of them (default: generic)",
+    )
     parser.add_argument("--format", choices=("text", "json"), default="text")
     parser.set_defaults(run=run)
 
@@ -47,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     from fuzzyspec.lower import Options
 
     as_json = arguments.format == "json"
-    options = Options(bounds=arguments.bounds)
+    options = Options(arguments.bounds, arguments.optimize, arguments.target)
     spec = load(arguments.file)
     lowered = spec.lower(options)
     if not as_json:

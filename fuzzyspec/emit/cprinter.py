@@ -89,7 +89,7 @@ class Spelling:
     fields: Mapping[tuple[str, str], str]
     read: str
     mul_high: str
-    quotient: str
+    quotients: Mapping[int, str]
 
 
 def literal(value: int, is_signed: bool) -> Text:
@@ -164,7 +164,7 @@ def _value(expr: Expr, names: Spelling) -> Text:
         case MulHigh():
             return _call(names.mul_high, expr.left, expr.right, names)
         case Quotient():
-            return _call(names.quotient, expr.num, expr.den, names)
+            return _call(names.quotients[expr.digit_bits], expr.num, expr.den, names)
         case _:
             assert_never(expr)
 

@@ -61,7 +61,7 @@ def emit(module: Module, lowered: Lowered, source: Source, options: object = Non
         "status_t": names.status_t,
         "selftest": names.selftest,
         "mul_high": names.mul_high,
-        "quotient": names.quotient,
+        "quotients": names.quotients,
         "table_macro": f"{names.macro}_TABLE",
     }
     told = {

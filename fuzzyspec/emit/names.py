@@ -82,7 +82,8 @@ class FunctionNames:
 
 @dataclass(frozen=True)
 class Names:
-    """``functions`` by the model's names; ``globals`` is everything that a local must not hide."""
+    """``functions`` by the model's names, ``quotients`` by their digits' bits; ``globals`` is everything that a
+    local must not hide."""
 
     prefix: str
     macro: str
@@ -91,7 +92,7 @@ class Names:
     digest: str
     selftest: str
     mul_high: str
-    quotient: str
+    quotients: Mapping[int, str]
     functions: Mapping[str, FunctionNames]
     globals: frozenset[str]
     macros: frozenset[str]
@@ -132,7 +133,9 @@ def name_module(program: Program) -> Names:
     digest = macros.claim(f"{macro}_SPEC_DIGEST")
     selftest = symbols.claim(f"{prefix}_selftest")
     mul_high = symbols.claim(f"{prefix}_mul_high")
-    quotient = symbols.claim(f"{prefix}_quotient")
+    quotients = {
+        bits: symbols.claim(f"{prefix}_quotient{suffix}") for bits, suffix in ((1, ""), (4, "_by_4"), (8, "_by_8"))
+    }
     for suffix in ("H", "TABLE", *(f"READ_{sign}{bits}" for sign in "US" for bits in (8, 16, 32))):
         macros.claim(f"{macro}_{suffix}")
     named: dict[str, FunctionNames] = {}
@@ -147,7 +150,7 @@ def name_module(program: Program) -> Names:
         digest,
         selftest,
         mul_high,
-        quotient,
+        quotients,
         {f.name: named[f.name] for f in program.functions},
         symbols.taken(),
         macros.taken(),

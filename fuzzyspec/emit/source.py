@@ -43,7 +43,7 @@ class SourceFile:
     functions: tuple[Defined, ...]
     readers: tuple[Reader, ...]
     uses_mul_high: bool
-    uses_quotient: bool
+    digit_bits: tuple[int, ...]
 
 
 def source_file(program: Program, names: Names) -> SourceFile:
@@ -54,7 +54,7 @@ def source_file(program: Program, names: Names) -> SourceFile:
         functions=tuple(_defined(program, f, names, body) for f, body in bodies),
         readers=readers(names.macro, (n.ctype for n in used if isinstance(n, Element) and n.table)),
         uses_mul_high=any(isinstance(n, MulHigh) for n in used),
-        uses_quotient=any(isinstance(n, Quotient) for n in used),
+        digit_bits=tuple(sorted({n.digit_bits for n in used if isinstance(n, Quotient)})),
     )
 
 

@@ -108,7 +108,7 @@ def _context(program: Program, function: Function, names: Names, body: tuple[Stm
         },
         read=f"{names.macro}_READ",
         mul_high=names.mul_high,
-        quotient=names.quotient,
+        quotients=names.quotients,
     )
     return _Context(program, function, names, own, spelling, calls, lists, elements, counts)
 

@@ -158,11 +158,15 @@ class MulHigh:
 class Quotient:
     """``floor(num * 2**16 / den)`` for ``num < den < 2**31``, and 65536 where ``num >= den`` (so also for den = 0).
 
-    A kernel: C calls the static function ``<prefix>_quotient(uint32_t, uint32_t)``, a 16-step long division.
+    A kernel: C calls the static function ``<prefix>_quotient(uint32_t, uint32_t)``, a 16-step long division, or with
+    ``digit_bits`` 4 or 8 one that takes that many bits by each of 4 or 2 hardware divisions (``den < 2**(32 -
+    digit_bits)``).
+    The value is the same.
     """
 
     num: Expr
     den: Expr
+    digit_bits: Literal[1, 4, 8] = 1
     lo: int = 0
     hi: int = 65536
 

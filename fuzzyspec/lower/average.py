@@ -9,6 +9,7 @@ from fractions import Fraction
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Assign, Comment, Const, Define, Expr, Local, Stmt
 from fuzzyspec.lower.fire import Firing
+from fuzzyspec.lower.machine import Machine
 from fuzzyspec.lower.mean import Tail, mean_to_raw
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Output
@@ -30,7 +31,9 @@ class AverageNumbers:
     tail: Tail
 
 
-def average(output: Output, index: int, firing: Firing, scope: Scope) -> tuple[list[Stmt], Expr, AverageNumbers]:
+def average(
+    output: Output, index: int, firing: Firing, machine: Machine, scope: Scope
+) -> tuple[list[Stmt], Expr, AverageNumbers]:
     """Statements and the output's raw from its level array."""
     name = output.name
     lo, span = output.variable.lo, output.variable.hi - output.variable.lo
@@ -65,6 +68,6 @@ def average(output: Output, index: int, firing: Firing, scope: Scope) -> tuple[l
             value = build.mul(part, Const(weight)) if exact else build.mul_high(part, Const(weight))
             body.append(Assign(moment, build.add_bounded(moment, value, moment.hi)))
     divisor = build.mul(area, Const(denominator if exact else 1))
-    steps, raw, tail = mean_to_raw(output.variable, moment, divisor, scope)
+    steps, raw, tail = mean_to_raw(output.variable, moment, divisor, machine, scope)
     products = 0.0 if exact else len(places) / float(firing.one << lift)
     return body + steps, raw, AverageNumbers(tuple(places), float(worst), products, tail)

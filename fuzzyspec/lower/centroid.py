@@ -38,6 +38,7 @@ from fuzzyspec.fixed.run import run
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
 from fuzzyspec.lower.horner import Horner, fit
 from fuzzyspec.lower.lines import DEGREE_ONE
+from fuzzyspec.lower.machine import Machine
 from fuzzyspec.lower.mean import Tail, mean_to_raw
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Output
@@ -96,7 +97,9 @@ class _Group:
         return self.sets[0]
 
 
-def centroid(output: Output, levels: str, scope: Scope) -> tuple[list[Stmt], Expr, list[Table], CentroidNumbers]:
+def centroid(
+    output: Output, levels: str, machine: Machine, scope: Scope
+) -> tuple[list[Stmt], Expr, list[Table], CentroidNumbers]:
     """Statements, the output's raw, tables and numbers, from the array ``levels`` of clip heights (Q15, a slot a term).
 
     Raises TooManySets.
@@ -133,7 +136,7 @@ def centroid(output: Output, levels: str, scope: Scope) -> tuple[list[Stmt], Exp
     bound = Local(scope.name(f"{name}_a"), "uint32", 0, area.hi)
     body.append(Define(bound, area, True))
     divisor = build.mul(bound, Const(scale.weight_denominator if scale.exact else 1))
-    steps, raw, tail = mean_to_raw(output.variable, moment, divisor, scope)
+    steps, raw, tail = mean_to_raw(output.variable, moment, divisor, machine, scope)
     return body + steps, raw, tables, CentroidNumbers(tuple(numbers), tail)
 
 

@@ -32,6 +32,7 @@ from fuzzyspec.lower.average import AverageNumbers, average
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
 from fuzzyspec.lower.fire import Firing, fire
 from fuzzyspec.lower.fuzzify import fuzzify
+from fuzzyspec.lower.machine import MACHINES, Machine
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.minors import fire_minors
 from fuzzyspec.lower.scope import Scope
@@ -82,7 +83,9 @@ def saturated(variable: Variable, given: Expr, name: str, bit: str, scope: Scope
     return body, legal
 
 
-def lower_controller(controller: Controller, optimize: Goal = "balanced") -> tuple[Function, ControllerNumbers]:
+def lower_controller(
+    controller: Controller, optimize: Goal = "balanced", machine: Machine = MACHINES["generic"]
+) -> tuple[Function, ControllerNumbers]:
     """Choose the strategies for ``optimize`` and lower. Raises RangeError and TooManySets where the integers do
     not go."""
     scope = Scope()
@@ -112,11 +115,11 @@ def lower_controller(controller: Controller, optimize: Goal = "balanced") -> tup
     state: list[StatePort] = []
     for o, output in enumerate(controller.outputs):
         if controller.infer.defuzzify == "centroid":
-            steps, raw, more, found_numbers = centroid(output, firing.levels[o], scope)
+            steps, raw, more, found_numbers = centroid(output, firing.levels[o], machine, scope)
             tables += more
             numbers.append(found_numbers)
         else:
-            steps, raw, average_numbers = average(output, o, firing, scope)
+            steps, raw, average_numbers = average(output, o, firing, machine, scope)
             numbers.append(average_numbers)
         body += _settle(output, o, steps, raw, firing, threshold, status, state)
     outputs = [port_of(o.variable) for o in controller.outputs]

@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Const, Define, Expr, Stmt
+from fuzzyspec.lower.machine import Machine
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.variable import Variable
 
@@ -27,10 +28,12 @@ class Tail:
     error: Fraction
 
 
-def mean_to_raw(variable: Variable, moment: Expr, area: Expr, scope: Scope) -> tuple[list[Stmt], Expr, Tail]:
+def mean_to_raw(
+    variable: Variable, moment: Expr, area: Expr, machine: Machine, scope: Scope
+) -> tuple[list[Stmt], Expr, Tail]:
     """The raw nearest to ``lo + (hi - lo) * moment / area``; needs ``0 <= moment <= area < 2**31``."""
     body: list[Stmt] = []
-    ratio = build.quotient(moment, area)
+    ratio = build.quotient(moment, area, machine.divides)
     t = build.local(scope.name(f"{variable.name}_t"), ratio)
     body.append(Define(t, ratio, True))
     raw = variable.raw

@@ -15,6 +15,7 @@ from fuzzyspec.lower.bounds import Effort, bound_controller, means
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
 from fuzzyspec.lower.controller import ControllerNumbers, Goal, lower_controller
+from fuzzyspec.lower.machine import MACHINES, Target
 from fuzzyspec.lower.system import CallBounds, SystemNumbers, lower_system
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import Module, System
@@ -27,11 +28,14 @@ Means = tuple[CentroidBound | AverageBound, ...]
 class Options:
     """``bounds``: ``quick`` derives in well under a second, ``thorough`` looks at fifty times as many boxes.
 
-    ``optimize``: what the strategies are chosen for. Every choice computes the same outputs, bit for bit.
+    ``optimize``: what the strategies are chosen for, ``target``: the machine. Every choice computes the same
+    outputs, bit for
+    bit, and runs on every machine.
     """
 
     bounds: Literal["quick", "thorough"] = "quick"
     optimize: Goal = "balanced"
+    target: Target = "generic"
 
 
 EFFORTS: Mapping[str, tuple[Effort, Effort]] = {
@@ -60,6 +64,7 @@ class LoweringError(Exception):
 def lower(module: Module, options: Options | None = None) -> Lowered:
     """Lower a checked module. Raises LoweringError with every function that does not fit."""
     chosen = Options() if options is None else options
+    machine = MACHINES[chosen.target]
     alone, called = EFFORTS[chosen.bounds]
     functions: dict[str, Function] = {}
     numbers: dict[str, ControllerNumbers] = {}
@@ -68,7 +73,7 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     problems: list[Diagnostic] = []
     for controller in module.controllers:
         try:
-            function, found = lower_controller(controller, chosen.optimize)
+            function, found = lower_controller(controller, chosen.optimize, machine)
         except (RangeError, TooManySets) as error:
             problems.append(_diagnostic(controller, error))
             continue
@@ -89,7 +94,7 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
         if any(c.controller.name not in functions for c in system.calls):
             continue
         try:
-            function, system_numbers = lower_system(system, functions, certify)
+            function, system_numbers = lower_system(system, functions, certify, machine)
         except RangeError as error:
             problems.append(_diagnostic(system, error))
             continue

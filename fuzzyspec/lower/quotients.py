@@ -12,7 +12,9 @@ from fuzzyspec.lower.scaled import Arithmetic, Scaled, cause_of, constant
 QUOTIENT_ONE = 1 << 16
 
 
-def divide(arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction] | None, name: str) -> Scaled:
+def divide(
+    arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction] | None, divides: bool, name: str
+) -> Scaled:
     """``x / y`` saturated into a range (docs/numbers.md, lemma "quotient").
 
     With ``t = (x/y - lo) / (hi - lo)`` the program computes ``(x - lo y) / ((hi - lo) y)``, numerator and divisor
@@ -41,7 +43,7 @@ def divide(arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, F
     den = arithmetic.bind(q.expr, f"{name}_den")
     if den.lo < 0:
         den = arithmetic.bind(build.greatest(den, Const(0)), f"{name}_den")
-    ratio = build.quotient(num, den)
+    ratio = build.quotient(num, den, divides)
     if signed.lo < 0 and den.lo <= 0:
         # A negative x over 0 is the low end; the quotient kernel alone would give the high one.
         ratio = Select(build.compare("<=", signed, Const(0)), Const(0), ratio, 0, QUOTIENT_ONE)

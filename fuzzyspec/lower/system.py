@@ -34,6 +34,7 @@ from fuzzyspec.fixed.program import (
 from fuzzyspec.lower import folding
 from fuzzyspec.lower.controller import port_of, saturated
 from fuzzyspec.lower.decisions import decide
+from fuzzyspec.lower.machine import MACHINES, Machine
 from fuzzyspec.lower.places import place, read
 from fuzzyspec.lower.quotients import divide, settle, zero_over_zero
 from fuzzyspec.lower.scaled import Arithmetic, Scaled, cause_of, constant
@@ -74,6 +75,7 @@ class Lowering:
     system: System
     functions: dict[str, Function]
     certify: Certify
+    machine: Machine
     scope: Scope = field(default_factory=Scope)
     body: list[Stmt] = field(default_factory=list)
     status: list[StatusBit] = field(default_factory=list)
@@ -265,7 +267,7 @@ class Lowering:
             if expr.into is None:
                 return exact
             return a.smallest([a.largest([exact, constant(expr.into[0])], name), constant(expr.into[1])], name)
-        quotient = divide(a, x, y, expr.into, name)
+        quotient = divide(a, x, y, expr.into, self.machine.divides, name)
         if expr.otherwise is None:
             return quotient
         test, band = zero_over_zero(a, x, y, f"{name}_zero")
@@ -364,6 +366,8 @@ class Lowering:
         return port_of(variable)
 
 
-def lower_system(system: System, functions: dict[str, Function], certify: Certify) -> tuple[Function, SystemNumbers]:
+def lower_system(
+    system: System, functions: dict[str, Function], certify: Certify, machine: Machine = MACHINES["generic"]
+) -> tuple[Function, SystemNumbers]:
     """Raises RangeError where the arithmetic does not go into 32 bits."""
-    return Lowering(system, functions, certify).run()
+    return Lowering(system, functions, certify, machine).run()

@@ -1,0 +1,26 @@
+"""What the strategies know of the machine that the C is compiled for. The C runs bit-exact on every other one too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+Target = Literal["generic", "cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr"]
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """``divides``: whether 32-bit division is an instruction, not a call of a library."""
+
+    divides: bool
+
+
+MACHINES: Mapping[Target, Machine] = {
+    "generic": Machine(divides=False),
+    "cortex-m0plus": Machine(divides=False),
+    "cortex-m4": Machine(divides=True),
+    "cortex-m7": Machine(divides=True),
+    "rv32imc": Machine(divides=True),
+    "avr": Machine(divides=False),
+}
