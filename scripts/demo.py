@@ -41,13 +41,17 @@ def up(percent: float) -> str:
 def summary(verified: dict[str, Any], driven: dict[str, Any]) -> list[str]:
     """Four of the five lines, from what ``verify`` and ``sim`` found."""
     system = next(f for f in verified["functions"] if f["kind"] == "system")
-    bounds = [f"{o['output']} {up(o['bound_percent'])}" for o in system["outputs"] if o["bound_percent"] is not None]
+    bounds = [
+        f"{o['output']} {'none' if o['bound_percent'] is None else up(o['bound_percent'])}"
+        for o in system["outputs"]
+        if o["largest_error"] is not None  # a behavior's code has no error
+    ]
     mismatches = sum(f[f"{what}mismatches"] for f in verified["functions"] for what in ("", "status_", "state_"))
     by_c = next(run for run in driven["runs"] if run["controller"] == "c")
     arrivals = [f"{robot['name']} after {robot['arrived']:.1f} s" for robot in by_c["robots"]]
     gap = by_c["clearance"]
     return [
-        f"certified errors  {', '.join(bounds)} of range",
+        f"certified errors  {', '.join(bounds)} (of range)",
         f"cases compared    {verified['cases']:,}: C and integer model bit for bit, {mismatches} mismatches",
         f"arrivals          {', '.join(arrivals)}",
         f"clearance         {gap['distance']:.2f} m at {gap['time']:.1f} s",
