@@ -6,7 +6,7 @@ Each bracket is non-negative (docs/numbers.md), so everything is unsigned; each 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -22,7 +22,11 @@ Q = 15
 
 @dataclass(frozen=True, slots=True)
 class Horner:
-    """Integer coefficients; ``shift`` brings the product to the common scale."""
+    """Integer coefficients; ``shift`` brings the product to the common scale.
+
+    ``slope_bits`` are the fraction bits of d times the inner bracket: 15, less on short pieces, where that bracket
+    may be large and d has few bits.
+    """
 
     base: int
     first: int
@@ -31,6 +35,7 @@ class Horner:
     third_adds: bool
     shift: int
     length: int
+    slope_bits: int
 
     def steps(self, d: Local, name: str, scope: Scope) -> tuple[list[Stmt], Expr]:
         """Statements and the value at ``d`` (0 .. length)."""
@@ -41,16 +46,16 @@ class Horner:
         if self.second or self.third:
             slope: Expr = Const(self.second)
             if self.third:
-                curve = product(d, self.third)
+                curve = product(d, self.third, Q)
                 if self.third_adds:
                     slope = build.add(curve, slope)
                 else:
                     slope = build.sub_guarded(slope, curve, self.second)
                 bound = build.local(scope.name(f"{name}_slope"), slope, ctype="uint32")
                 body.append(Define(bound, slope, True))
-                drop = build.rounded_shift(_bounded(d, bound), Q)
+                drop = build.rounded_shift(_bounded(d, bound), self.slope_bits)
             else:
-                drop = product(d, self.second)
+                drop = product(d, self.second, self.slope_bits)
             factor = build.sub_guarded(Const(self.first), drop, self.first)
             width = build.local(scope.name(f"{name}_width"), factor, ctype="uint32")
             body.append(Define(width, factor, True))
@@ -61,12 +66,12 @@ class Horner:
     def smallest_factor(self) -> int:
         """The least value of the outer bracket; negative means that the rounding broke it."""
         d = np.arange(self.length + 1, dtype=np.int64)
-        half = 1 << (Q - 1)
-        curve = (d * self.third + half) >> Q
+        half = 1 << (self.slope_bits - 1)
+        curve = (d * self.third + (1 << (Q - 1))) >> Q
         slope = self.second + curve if self.third_adds else self.second - curve
         if slope.min() < 0:
             return int(slope.min())
-        return int((self.first - ((d * slope + half) >> Q)).min())
+        return int((self.first - ((d * slope + half) >> self.slope_bits)).min())
 
 
 def _bounded(d: Local, factor: Local) -> Expr:
@@ -74,12 +79,12 @@ def _bounded(d: Local, factor: Local) -> Expr:
     return Binary("*", d, factor, 0, min(d.hi * factor.hi, 2**32 - 2**15))
 
 
-def product(d: Local, factor: int) -> Expr:
-    """``round(d * factor / 2**15)``, by the shortest exact way."""
+def product(d: Local, factor: int, bits: int) -> Expr:
+    """``round(d * factor / 2**bits)``, by the shortest exact way."""
     zeros = (factor & -factor).bit_length() - 1 if factor else 0
-    if zeros >= Q:
-        return build.mul(d, Const(factor >> Q))
-    return build.rounded_shift(build.mul(d, Const(factor >> zeros)), Q - zeros)
+    if zeros >= bits:
+        return build.mul(d, Const(factor >> bits))
+    return build.rounded_shift(build.mul(d, Const(factor >> zeros)), bits - zeros)
 
 
 def fit(base: Fraction, coefficients: tuple[Fraction, Fraction, Fraction], length: int, scale: Fraction) -> Horner:
@@ -93,16 +98,20 @@ def fit(base: Fraction, coefficients: tuple[Fraction, Fraction, Fraction], lengt
         shift += 1
     unit = Fraction(2**shift, DEGREE_ONE)
     first = math.floor(a1 * unit + HALF)
-    second = math.floor(-a2 * unit + HALF)
-    third = math.floor(abs(a3) * unit + HALF)
-    result = Horner(math.floor(scale * base + HALF), first, max(second, 0), third, a3 < 0, shift, length)
+    bits = Q
+    while bits > 4 and 2 * length <= 1 << bits:
+        bits -= 1
+    slope_unit = unit / 2 ** (Q - bits)
+    second = math.floor(-a2 * slope_unit + HALF)
+    third = math.floor(abs(a3) * slope_unit + HALF)
+    result = Horner(math.floor(scale * base + HALF), first, max(second, 0), third, a3 < 0, shift, length, bits)
     # A rounding may take a bracket that touches 0 below it: give it back, one unit at a time.
     for _ in range(4):
         if result.smallest_factor() >= 0:
             return result
         slope_end = result.second - ((length * third + 2 ** (Q - 1)) >> Q)
         if not result.third_adds and slope_end < 0:
-            result = Horner(result.base, result.first, result.second - slope_end, third, False, shift, length)
+            result = replace(result, second=result.second - slope_end)
         else:
-            result = Horner(result.base, result.first + 1, result.second, third, result.third_adds, shift, length)
+            result = replace(result, first=result.first + 1)
     raise AssertionError("a bracket of a clipped set's polynomial is negative")

@@ -11,6 +11,8 @@ from fuzzyspec.fixed.program import Const, Expr, Test
 from fuzzyspec.lower.scaled import Arithmetic, Scaled
 from fuzzyspec.model.variable import Variable
 
+FEW = 4
+
 
 def read(variable: Variable, raw: Expr, error: Fraction = Fraction(0), cause: str = "") -> Scaled:
     """A legal raw as a value in coherent units; ``error`` (in the variable's unit) comes from ``cause``."""
@@ -63,12 +65,29 @@ def place(arithmetic: Arithmetic, value: Scaled, variable: Variable, name: str) 
         u = arithmetic.bind(build.above(u, Const(start)), f"{name}_up")
         u = build.least(u, Const(end - start))
     p0 += beta * start
+    if end - start < FEW:
+        counted, error = _few(arithmetic.bind(u, f"{name}_up"), beta, p0, counts)
+        error = max(error + carried, sliver)
+        cause = value.cause if carried else ""
+        return Placed(build.add(counted, Const(raw.lo)), error * abs(raw.step), cause, _outside(i, value, variable))
     counted, error = arithmetic.scale(arithmetic.bind(u, f"{name}_up") if u.lo != u.hi else u, beta, p0, name)
     counted = build.greatest(arithmetic.bind(counted, f"{name}_near"), Const(0))
     counted = build.least(arithmetic.bind(counted, f"{name}_near"), Const(counts))
     cause = value.cause if carried > error else ""
     error = max(error + carried, sliver)
     return Placed(build.add(counted, Const(raw.lo)), error * abs(raw.step), cause, _outside(i, value, variable))
+
+
+def _few(u: Expr, beta: Fraction, p0: Fraction, counts: int) -> tuple[Expr, Fraction]:
+    """A value whose steps are so much coarser than the place's that only a few of them fall into it: one by one."""
+    error = Fraction(0)
+    chosen: Expr = Const(0)
+    for k in range(u.hi, -1, -1):
+        exact = max(Fraction(0), min(Fraction(counts), p0 + beta * k))
+        nearest = min(counts, math.floor(exact + Fraction(1, 2)))
+        error = max(error, abs(nearest - exact))
+        chosen = Const(nearest) if k == u.hi else build.select(build.compare("==", u, Const(k)), Const(nearest), chosen)
+    return chosen, error
 
 
 def _outside(i: Expr, value: Scaled, variable: Variable) -> list[Test]:

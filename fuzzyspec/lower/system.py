@@ -39,7 +39,7 @@ from fuzzyspec.lower.places import place, read
 from fuzzyspec.lower.quotients import divide, settle, zero_over_zero
 from fuzzyspec.lower.scaled import Arithmetic, Scaled, cause_of, constant
 from fuzzyspec.lower.scope import Scope
-from fuzzyspec.lower.walk import folds, needs
+from fuzzyspec.lower.walk import folds, needs, needs_of_element
 from fuzzyspec.model import system as m
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import ActingOutput, Call, ForEach, Let, ListInput, System, SystemOutput
@@ -167,7 +167,17 @@ class Lowering:
 
     def ready(self, fold: m.Fold) -> bool:
         inner = [f for part in (fold.body, fold.test, fold.otherwise) for f in folds(part)]
-        return needs(fold, self.element_calls) <= set(self.known) and all(id(f) in self.folded for f in inner)
+        own = {
+            ("let", b.name) for loop in self.loops if loop.list == fold.list for b in loop.body if isinstance(b, Let)
+        }
+        own |= {
+            ("call", b.id) for loop in self.loops if loop.list == fold.list for b in loop.body if isinstance(b, Call)
+        }
+        return (
+            needs(fold, self.element_calls) <= set(self.known)
+            and needs_of_element(fold, self.element_calls) <= own
+            and all(id(f) in self.folded for f in inner)
+        )
 
     def pass_over(self, list_: str, wanted: list[m.Fold]) -> None:
         """One loop over the caller's records: every field read once, the element's lets and calls, then the folds."""

@@ -36,3 +36,14 @@ def needs(root: object, of_elements: set[str]) -> set[tuple[str, str]]:
         elif isinstance(n, CallOutput) and n.call not in of_elements:
             found.add(("call", n.call))
     return found
+
+
+def needs_of_element(root: object, of_elements: set[str]) -> set[tuple[str, str]]:
+    """Lets and calls of the current element that an expression refers to."""
+    found: set[tuple[str, str]] = set()
+    for n in nodes(root):
+        if isinstance(n, ReadLet) and n.list is not None:
+            found.add(("let", n.name))
+        elif isinstance(n, CallOutput) and n.call in of_elements:
+            found.add(("call", n.call))
+    return found
