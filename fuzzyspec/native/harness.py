@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fuzzyspec.emit.names import FunctionNames, Names, name_module
+from fuzzyspec.emit.ctypes import LIMITS
+from fuzzyspec.emit.names import FunctionNames, name_module
 from fuzzyspec.fixed.program import Function, Program
-from fuzzyspec.native.layout import Layout, layout_of
+from fuzzyspec.native.layout import Layout, layout_of, out_types, ports_of, states_of
 
 SIGNATURE = (
     "int fuzzyc_batch_{index}(size_t n, const size_t *widths, const void *const *in, void *const *out, "
@@ -23,33 +24,61 @@ SELFTEST = "unsigned fuzzyc_selftest(void)"
 def print_harness(program: Program) -> str:
     """The harness of every function of a program."""
     names = name_module(program)
-    lines = ["#include <stddef.h>", "#include <stdint.h>", "#include <stdlib.h>", "#include <string.h>"]
-    lines += [f'#include "{names.header}"', ""]
-    lines += ["#define FUZZYC_UNUSED(x) ((void)(x))", ""]
-    lines += [f"{SIGNATURE.format(index=i)};" for i in range(len(program.functions))]
-    lines += [f"uint16_t {names.selftest}(void);", f"{SELFTEST};", ""]
-    for index, function in enumerate(program.functions):
-        lines += _batch(index, program, function, names)
-    lines += [SELFTEST, "{", f"    return (unsigned){names.selftest}();", "}"]
+    layouts = [layout_of(program, f, names) for f in program.functions]
+    lines = ["#include <stdlib.h>", "#include <string.h>", '#include "batches.h"', f'#include "{names.header}"', ""]
+    lines += [f"uint16_t {names.selftest}(void);", ""]
+    for index, layout in enumerate(layouts):
+        lines += _batch(index, layout, names.functions[layout.function])
+    for index, (layout, function) in enumerate(zip(layouts, program.functions, strict=True)):
+        lines += _shape(index, layout, function, program)
+    lines += [f"const size_t fuzzyc_functions = {len(layouts)};", "", "fuzzyc_batch *const fuzzyc_batches[] = {"]
+    lines += [f"    fuzzyc_batch_{i}," for i in range(len(layouts))]
+    lines += ["};", "", "const fuzzyc_shape fuzzyc_shapes[] = {"]
+    for index, layout in enumerate(layouts):
+        ins, outs = len(layout.inputs) + len(layout.state), len(layout.outputs) + 1 + len(layout.state)
+        lines += [f"    {{{ins}, {outs}, {len(layout.lists)}, slots_{index}, capacities_{index}}},"]
+    lines += ["};", "", SELFTEST, "{", f"    return (unsigned){names.selftest}();", "}"]
     return "\n".join(lines) + "\n"
 
 
-def _batch(index: int, program: Program, function: Function, names: Names) -> Iterator[str]:
-    layout = layout_of(program, function, names)
+def _shape(index: int, layout: Layout, function: Function, program: Program) -> Iterator[str]:
+    """Legal raws and C types of every array, for whoever makes cases up."""
+    legal = {k: (p.lo, p.hi) for k, p in ports_of(function).items()}
+    legal |= {f"state {k}": (p.lo, p.hi) for k, p in states_of(program, function).items()}
+    capacities = [listed.capacity for listed in layout.lists]
+    counts = {listed.count: k for k, listed in enumerate(layout.lists)}
+    yield f"static const size_t capacities_{index}[] = {{{', '.join(str(c) for c in [*capacities, 0])}}};"
+    yield f"static const fuzzyc_slot slots_{index}[] = {{"
+    for k, slot in enumerate(layout.inputs):
+        low, high = LIMITS[slot.ctype]
+        lo, hi = (0, capacities[counts[k]]) if k in counts else legal[slot.key]
+        of = counts.get(k, -1 if slot.list is None else slot.list)
+        yield f"    {{sizeof({slot.ctype}_t), {int(k in counts)}, 0, {of}, {lo}, {hi}, {low}, {high}}},"
+    for slot in layout.state:
+        lo, hi = legal[f"state {slot.key}"]
+        yield f"    {{sizeof({slot.ctype}_t), 0, 1, -1, {lo}, {hi}, {lo}, {hi}}},"
+    for ctype in out_types(layout):
+        yield f"    {{sizeof({ctype}_t), 0, 0, -1, 0, 0, 0, 0}},"
+    yield "};"
+    yield ""
+
+
+def _batch(index: int, layout: Layout, names: FunctionNames) -> Iterator[str]:
     ins = layout.inputs + layout.state
-    yield SIGNATURE.format(index=index)
+    yield f"static {SIGNATURE.format(index=index)}"
     yield "{"
     for k, slot in enumerate(ins):
         yield f"    const {slot.ctype}_t *const in_{k} = (const {slot.ctype}_t *)in[{k}];"
-    outs = [s.ctype for s in layout.outputs] + ["uint32"] + [s.ctype for s in layout.state]
-    for k, ctype in enumerate(outs):
+    for k, ctype in enumerate(out_types(layout)):
         yield f"    {ctype}_t *const out_{k} = ({ctype}_t *)out[{k}];"
     yield "    size_t i;"
     if not layout.lists:
-        yield "    FUZZYC_UNUSED(widths);"
+        yield "    (void)widths;"
+    if not ins:
+        yield "    (void)in;"
     yield ""
     yield "    for (i = 0; i < n; ++i) {"
-    yield from (f"        {line}" if line else "" for line in _case(layout, names.functions[function.name]))
+    yield from (f"        {line}" if line else "" for line in _case(layout, names))
     yield "    }"
     yield "    return 0;"
     yield "}"

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzzyspec.emit.names import Names
-from fuzzyspec.fixed.program import CType, Function, ListPort, Port, Program
+from fuzzyspec.fixed.program import CType, Function, ListPort, Port, Program, StatePort
 
 Ints = npt.NDArray[np.integer[Any]]
 
@@ -112,6 +112,31 @@ def layout_of(program: Program, function: Function, names: Names) -> Layout:
     return Layout(function.name, tuple(inputs), tuple(lists), outputs, tuple(state))
 
 
+def ports_of(function: Function) -> dict[str, Port]:
+    """Every input raw by signal name, without the counts."""
+    found: dict[str, Port] = {}
+    for port in function.inputs:
+        match port:
+            case Port():
+                found[port.name] = port
+            case ListPort():
+                found.update({f"{port.name}.{f.name}": f for f in port.fields})
+    return found
+
+
+def states_of(program: Program, function: Function) -> dict[str, StatePort]:
+    """What survives a call, by state key."""
+    found = {s.name: s for s in function.state}
+    for name, callee in function.nested:
+        found.update({f"{name}.{s.name}": s for s in program.function(callee).state})
+    return found
+
+
+def out_types(layout: Layout) -> list[CType]:
+    """The C types of what comes back, in order."""
+    return [*(s.ctype for s in layout.outputs), "uint32", *(s.ctype for s in layout.state)]
+
+
 def _as(values: npt.ArrayLike, slot: Slot) -> Ints:
     """The array in the slot's C type; ValueError where a raw does not fit it."""
     given = np.asarray(values)
@@ -163,8 +188,7 @@ def _widths(layout: Layout, arrays: list[Ints]) -> tuple[int, ...]:
 
 def out_arrays(layout: Layout, n: int) -> tuple[Ints, ...]:
     """Empty arrays for a batch of n to write into, in the layout's order."""
-    types = [s.dtype for s in layout.outputs] + [np.uint32] + [s.dtype for s in layout.state]
-    return tuple(np.zeros(n, dtype=t) for t in types)
+    return tuple(np.zeros(n, dtype=DTYPES[t]) for t in out_types(layout))
 
 
 def unpack(layout: Layout, arrays: tuple[Ints, ...]) -> Result:

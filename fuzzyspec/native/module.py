@@ -13,10 +13,19 @@ import numpy.typing as npt
 from fuzzyspec.emit.names import name_module
 from fuzzyspec.fixed.program import Program
 from fuzzyspec.fixed.run import initial_state
-from fuzzyspec.native.harness import SELFTEST, SIGNATURE
 from fuzzyspec.native.layout import Layout, Result, layout_of, out_arrays, pack, unpack
 from fuzzyspec.native.toolchain import Toolchain, find_toolchain, optimised, shared
 from fuzzyspec.native.workspace import Workspace
+
+_CDEF = """
+typedef int fuzzyc_batch(size_t, const size_t *, const void *const *, void *const *, volatile uint64_t *);
+extern fuzzyc_batch *const fuzzyc_batches[];
+unsigned fuzzyc_selftest(void);
+void fuzzyc_widths(size_t, uint64_t, size_t *);
+void fuzzyc_draw(size_t, uint64_t, uint64_t, size_t, const size_t *, void *const *);
+uint64_t fuzzyc_hash(size_t, uint64_t, uint64_t, size_t, volatile uint64_t *, int *);
+"""
+"""What is called of ``batches.h``."""
 
 
 class NativeModule:
@@ -31,10 +40,7 @@ class NativeModule:
         self.program = program
         self.toolchain = find_toolchain() if toolchain is None else toolchain
         self._ffi = cffi.FFI()
-        self._ffi.cdef("typedef unsigned char fuzzyc_byte;")
-        for index in range(len(program.functions)):
-            self._ffi.cdef(f"{SIGNATURE.format(index=index)};")
-        self._ffi.cdef(f"{SELFTEST};")
+        self._ffi.cdef(_CDEF)
         with Workspace(program, files) as workspace:
             flags = (*optimised(errors=True), *shared())
             made, _ = workspace.build(self.toolchain, f"{program.name}.so", flags, runner=False)
@@ -66,10 +72,33 @@ class NativeModule:
         ins_c = ffi.new("const void *[]", [ffi.cast("const void *", a.ctypes.data) for a in packed.arrays] or 1)
         outs_c = ffi.new("void *[]", [ffi.cast("void *", a.ctypes.data) for a in outs])
         at = ffi.new("uint64_t *")
-        batch = getattr(self._library, f"fuzzyc_batch_{index}")
-        if batch(packed.n, widths, ins_c, outs_c, at) != 0:
+        if self._library.fuzzyc_batches[index](packed.n, widths, ins_c, outs_c, at) != 0:
             raise MemoryError("the batch ran out of memory")
         return unpack(layout, outs)
+
+    def hashes(self, function: str, seed: int, blocks: range, n: int) -> list[int]:
+        """A hash of the results of each block of n cases that the build makes up; other builds make up the same."""
+        index, _ = self._layouts[function]
+        at, failed = self._ffi.new("uint64_t *"), self._ffi.new("int *")
+        found = [int(self._library.fuzzyc_hash(index, seed, block, n, at, failed)) for block in blocks]
+        if failed[0]:
+            raise MemoryError("a block ran out of memory")
+        return found
+
+    def block(
+        self, function: str, seed: int, block: int, n: int
+    ) -> tuple[dict[str, npt.NDArray[np.int64]], dict[str, npt.NDArray[np.int64]]]:
+        """The inputs and states of such a block."""
+        index, layout = self._layouts[function]
+        ffi = self._ffi
+        widths = ffi.new("size_t[]", max(len(layout.lists), 1))
+        self._library.fuzzyc_widths(index, block, widths)
+        slots = layout.inputs + layout.state
+        arrays = [np.zeros((n,) if s.list is None else (n, widths[s.list]), dtype=s.dtype) for s in slots]
+        pointers = ffi.new("void *[]", [ffi.cast("void *", a.ctypes.data) for a in arrays])
+        self._library.fuzzyc_draw(index, seed, block, n, widths, pointers)
+        wide = [(s.key, a.astype(np.int64)) for s, a in zip(slots, arrays, strict=True)]
+        return dict(wide[: len(layout.inputs)]), dict(wide[len(layout.inputs) :])
 
     def selftest(self) -> int:
         """0, or 1 + the index of the first golden vector that differs."""

@@ -35,6 +35,15 @@ class Death:
     output: str
 
 
+@dataclass(frozen=True, slots=True)
+class _Done:
+    """A run of the program: what it printed, and how it died if it did."""
+
+    stdout: str
+    stderr: str
+    death: str | None
+
+
 class NativeProcess:
     """The C and its harness as a program. ``run`` gives the results of a batch, or how it died."""
 
@@ -102,23 +111,9 @@ class NativeProcess:
         _write_cases(cases, index, packed, [a.nbytes for a in outs])
         progress.write_bytes(bytes(8))
         results.unlink(missing_ok=True)
-        command = [str(self._program), cases.name, results.name, progress.name]
-        # The program is told relative names: the folder's own may hold anything.
-        try:
-            done = subprocess.run(
-                command,
-                cwd=folder,
-                env={**os.environ, **_ENVIRONMENT},
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=self.seconds,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            return Death(_at(progress, packed.n), f"no end after {self.seconds:g} s", "")
-        if done.returncode != 0 or not results.is_file():
-            return Death(_at(progress, packed.n), _how(done.returncode, done.stderr), done.stderr[-4000:])
+        done = self._started(cases.name, results.name, progress.name)
+        if done.death is not None:
+            return Death(_at(progress, packed.n), done.death, done.stderr[-4000:])
         data = results.read_bytes()
         if len(data) != sum(a.nbytes for a in outs):
             return Death(_at(progress, packed.n), "the batch ended early", done.stderr[-4000:])
@@ -129,11 +124,31 @@ class NativeProcess:
             offset += array.nbytes
         return unpack(layout, tuple(read))
 
+    def hashes(self, function: str, seed: int, blocks: range, n: int) -> list[int] | Death:
+        """As ``NativeModule.hashes``. After a Death, ``case`` is the case of the first block that gave no hash."""
+        index, _ = self._layouts[function]
+        progress = self._workspace.path / "progress.bin"
+        progress.write_bytes(bytes(8))
+        words = [index, seed, blocks.start, blocks.stop, n]
+        done = self._started("--hash", *(str(w) for w in words), progress.name)
+        said = [int(line, 16) for line in done.stdout.split()]
+        if done.death is not None or len(said) != len(blocks):
+            what = done.death or "the batch ended early"
+            return Death(len(said) * n + _at(progress, n), what, done.stderr[-4000:])
+        return said
+
     def selftest(self) -> int | Death:
         """0, or 1 + the index of the first golden vector that differs; a Death where it did not end well."""
+        done = self._started("--selftest")
+        if done.death is not None:
+            return Death(0, done.death, done.stderr[-4000:])
+        return int(done.stdout)
+
+    def _started(self, *arguments: str) -> _Done:
+        """Run the program. It is told relative names: the folder's own may hold anything."""
         try:
             done = subprocess.run(
-                [str(self._program), "--selftest"],
+                [str(self._program), *arguments],
                 cwd=self._workspace.path,
                 env={**os.environ, **_ENVIRONMENT},
                 capture_output=True,
@@ -142,11 +157,11 @@ class NativeProcess:
                 timeout=self.seconds,
                 check=False,
             )
-        except subprocess.TimeoutExpired:
-            return Death(0, f"no end after {self.seconds:g} s", "")
-        if done.returncode != 0 or not done.stdout.strip().isdigit():
-            return Death(0, _how(done.returncode, done.stderr), done.stderr[-4000:])
-        return int(done.stdout)
+        except subprocess.TimeoutExpired as late:
+            said = late.stdout.decode(errors="replace") if isinstance(late.stdout, bytes) else ""
+            return _Done(said, "", f"no end after {self.seconds:g} s")
+        death = _how(done.returncode, done.stderr) if done.returncode != 0 else None
+        return _Done(done.stdout, done.stderr, death)
 
     def close(self) -> None:
         """Remove the program and its folder."""

@@ -1,6 +1,7 @@
 /* Runs one batch from a file: cases in, results out, the running case's number in a mapped file.
  *
  *     runner CASES RESULTS PROGRESS
+ *     runner --hash FUNCTION SEED FIRST LAST N PROGRESS      (of the blocks FIRST .. LAST - 1, a line each)
  *     runner --selftest
  *     runner --probe          (does nothing: can it be started at all?)
  *
@@ -13,8 +14,6 @@
 #include <sys/mman.h>
 #include <unistd.h>
 #endif
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,6 +68,27 @@ static volatile uint64_t *progress(const char *path)
 #endif
 }
 
+static int hash_blocks(char **argv)
+{
+    const size_t function = (size_t)strtoul(argv[0], NULL, 10);
+    const uint64_t seed = strtoull(argv[1], NULL, 10);
+    const uint64_t last = strtoull(argv[3], NULL, 10);
+    const size_t n = (size_t)strtoul(argv[4], NULL, 10);
+    volatile uint64_t *const at = progress(argv[5]);
+    uint64_t block;
+    int failed;
+
+    for (block = strtoull(argv[2], NULL, 10); block < last; ++block) {
+        const uint64_t hash = fuzzyc_hash(function, seed, block, n, at, &failed);
+        if (failed) {
+            fail("out of memory");
+        }
+        printf("%016llx\n", (unsigned long long)hash);
+        fflush(stdout);
+    }
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     FILE *file;
@@ -83,6 +103,9 @@ int main(int argc, char **argv)
         printf("%u\n", fuzzyc_selftest());
         return 0;
     }
+    if (argc == 8 && strcmp(argv[1], "--hash") == 0) {
+        return hash_blocks(argv + 2);
+    }
     if (argc != 4) {
         fail("wrong arguments");
     }
@@ -95,7 +118,7 @@ int main(int argc, char **argv)
     lists = (size_t)word(file);
     ins = (size_t)word(file);
     outs = (size_t)word(file);
-    if (function >= FUZZYC_BATCHES) {
+    if (function >= fuzzyc_functions) {
         fail("no such function");
     }
     widths = take(lists * sizeof *widths);

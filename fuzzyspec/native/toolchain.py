@@ -44,15 +44,17 @@ class Toolchain:
         """For reports: the program's name, without its folder."""
         return "zig cc" if "ziglang" in self.command else Path(self.command[0]).name
 
-    def build(self, sources: Sequence[Path], target: Path, flags: Sequence[str]) -> str:
+    def build(self, sources: Sequence[Path], target: Path, flags: Sequence[str], libraries: Sequence[str] = ()) -> str:
         """Compile and link ``sources`` into ``target``; what the compiler printed is returned.
+
+        ``libraries`` (``-lgcc``) follow the sources, as linkers want it.
 
         Raises BuildError where it fails and MissingTool where it cannot be started.
         """
         # Relative names, so that what the compiler prints names no temporary folder.
         folder = target.parent
         names = [os.path.relpath(s, folder) for s in sources]
-        command = [*self.command, *flags, "-o", target.name, *names]
+        command = [*self.command, *flags, "-o", target.name, *names, *libraries]
         try:
             done = subprocess.run(
                 command,

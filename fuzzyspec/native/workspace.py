@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 
 from fuzzyspec.fixed.program import Program
-from fuzzyspec.native.harness import SIGNATURE, print_harness
+from fuzzyspec.native.harness import print_harness
 from fuzzyspec.native.toolchain import Toolchain
 
 
@@ -26,8 +26,8 @@ class Workspace:
         for name, content in files.items():
             (self.path / name).write_bytes(content)
         self._write("harness.c", print_harness(program))
-        self._write("batches.h", _batches(len(program.functions)))
-        self._write("runner.c", resources.files("fuzzyspec.native").joinpath("runner.c").read_text(encoding="utf-8"))
+        for name in ("batches.h", "bulk.c", "runner.c"):
+            self._write(name, resources.files("fuzzyspec.native").joinpath(name).read_text(encoding="utf-8"))
         self.product = tuple(self.path / name for name in sorted(files) if name.endswith(".c"))
 
     def _write(self, name: str, text: str) -> None:
@@ -35,7 +35,7 @@ class Workspace:
 
     def build(self, toolchain: Toolchain, target: str, flags: tuple[str, ...], *, runner: bool) -> tuple[Path, str]:
         """Compile the C and its harness, with ``runner`` to a program of its own; the file made, and what was said."""
-        sources = [*self.product, self.path / "harness.c"]
+        sources = [*self.product, self.path / "harness.c", self.path / "bulk.c"]
         if runner:
             sources.append(self.path / "runner.c")
         made = self.path / target
@@ -52,14 +52,3 @@ class Workspace:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-
-
-def _batches(count: int) -> str:
-    """The table of batch functions that the runner picks from."""
-    arguments = "size_t, const size_t *, const void *const *, void *const *, volatile uint64_t *"
-    lines = [f"typedef int fuzzyc_batch({arguments});"]
-    lines += [f"{SIGNATURE.format(index=i)};" for i in range(count)]
-    lines += ["unsigned fuzzyc_selftest(void);", f"#define FUZZYC_BATCHES {count}"]
-    lines += ["static fuzzyc_batch *const fuzzyc_batches[FUZZYC_BATCHES] = {"]
-    lines += [f"    fuzzyc_batch_{i}," for i in range(count)]
-    return "\n".join([*lines, "};"]) + "\n"

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from fuzzyspec.fixed.run import Run
 from fuzzyspec.model.variable import Variable
-from fuzzyspec.native import Death, Result
+from fuzzyspec.native import Death, NativeModule, NativeProcess, Result
 from fuzzyspec.verify.cases import Batch
 from fuzzyspec.verify.confirm import beyond_band, beyond_bound
 from fuzzyspec.verify.example import example_at, single, spoken
@@ -19,6 +19,8 @@ from fuzzyspec.verify.shrink import shrink
 from fuzzyspec.verify.subject import Subject
 from fuzzyspec.verify.tally import Tally
 
+BLOCK = 1 << 14
+"""Cases that are hashed together."""
 SANITIZED = 1 << 10
 """Cases of each batch that also go through the sanitizers."""
 
@@ -63,22 +65,25 @@ class Bench:
         if differs.any() and not self._has("c"):
             self._differs(batch, int(differs.argmax()), self.c, "")
 
-    def compare(self, batch: Batch, reference: Runner) -> None:
-        """Hold C to a reference C instead of the model, which is slower: for cases by the million."""
+    def in_bulk(self, theirs: NativeProcess, reference: NativeModule, seed: int, blocks: range) -> None:
+        """Hold a C to the generated one by the hashes of many cases: the model would take too long for them."""
         if self.c is None or self._has("c"):
             return
-        got = self.c.run(self.subject.name, batch.inputs, batch.state)
-        wanted = reference.run(self.subject.name, batch.inputs, batch.state)
-        assert isinstance(wanted, Result), "the generated C died on a case that it was built for"
+        name = self.subject.name
+        wanted = reference.hashes(name, seed, blocks, BLOCK)
+        got = theirs.hashes(name, seed, blocks, BLOCK)
         if isinstance(got, Death):
-            self._died(batch, got, self.c, "")
+            block, case = divmod(got.case, BLOCK)
+            batch = Batch("bulk", *reference.block(name, seed, blocks[block], BLOCK))
+            self._died(batch, Death(case, got.what, got.output), theirs, "")
             self.c = None
             return
-        masks = differing(got, wanted)
-        differs = any_of(masks, batch.n)
-        self.tally.add_c(batch, masks, differs)
-        if differs.any():
-            self._differs(batch, int(differs.argmax()), self.c, "")
+        self.tally.add_bulk(len(blocks) * BLOCK)
+        for block, one, other in zip(blocks, wanted, got, strict=True):
+            if one != other:
+                batch = Batch("bulk", *reference.block(name, seed, block, BLOCK))
+                self._through_c(batch, self.subject.fixed(batch.inputs, batch.state))
+                return
 
     def _through_sanitizers(self, batch: Batch) -> None:
         if self.sanitized is None:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from fuzzyspec.fixed.program import Port
 from fuzzyspec.model.controller import Controller, Input
 from fuzzyspec.model.system import Compare, Const, Expr, ReadField, ReadInput, System
-from fuzzyspec.model.term import PiecewiseLinear, Singleton
+from fuzzyspec.model.term import PiecewiseLinear, Shape, Singleton
 from fuzzyspec.model.variable import RAW_LIMITS, Raw
 from fuzzyspec.verify.subject import Subject
 from fuzzyspec.verify.walk import nodes
@@ -29,8 +29,13 @@ AROUND = 2
 
 @dataclass(frozen=True, slots=True)
 class Special:
-    """A signal's raws worth trying: ``main`` at peaks, ends and half-way between; ``all`` with their surroundings."""
+    """A signal's raws worth trying.
 
+    ``peaks``: one a term, where it is highest (for a system's signals as ``main``). ``main``: breakpoints, ends and
+    half-ways between. ``all``: these and their surroundings.
+    """
+
+    peaks: Raws
     main: Raws
     all: Raws
     inverse: tuple[tuple[float, float, float, float], ...]
@@ -45,10 +50,14 @@ def special_raws(subject: Subject) -> dict[str, Special]:
         pieces = {name: _slopes(i) for name, i in inputs.items()}
     else:
         values, pieces = _of_system(subject.model, subject)
-    return {key: _special(port, values.get(key, set()), pieces.get(key, [])) for key, port in subject.ports.items()}
+        inputs = {}
+    return {
+        key: _special(port, values.get(key, set()), pieces.get(key, []), inputs.get(key))
+        for key, port in subject.ports.items()
+    }
 
 
-def _special(port: Port, values: Iterable[Fraction], pieces: Iterable[Piece]) -> Special:
+def _special(port: Port, values: Iterable[Fraction], pieces: Iterable[Piece], item: Input | None) -> Special:
     assert port.variable is not None
     raw = port.variable.raw
     low, high = RAW_LIMITS[raw.ctype]
@@ -61,11 +70,23 @@ def _special(port: Port, values: Iterable[Fraction], pieces: Iterable[Piece]) ->
     inverse = tuple(
         (float(raw.position(x0)), float(y0), float(raw.position(x1)), float(y1)) for x0, y0, x1, y1 in pieces
     )
-    return Special(_sorted(main), _sorted(r for r in near if low <= r <= high), inverse)
+    peaks = main if item is None else {raw.nearest(_highest(t.shape, item)) for t in item.terms}
+    return Special(_sorted(peaks), _sorted(main), _sorted(r for r in near if low <= r <= high), inverse)
 
 
 def _sorted(raws: Iterable[int]) -> Raws:
     return np.array(sorted(set(raws)), dtype=np.int64)
+
+
+def _highest(shape: Shape, item: Input) -> Fraction:
+    """A place in the range where a term is as high as at any of its points there: the middle of a plateau."""
+    if isinstance(shape, Singleton):
+        return shape.at
+    lo, hi = item.variable.lo, item.variable.hi
+    inside = [(x, y) for x, y in shape.points if lo <= x <= hi] or [(lo, Fraction(0)), (hi, Fraction(0))]
+    top = max(y for _, y in inside)
+    high = [x for x, y in inside if y == top]
+    return (high[0] + high[-1]) / 2
 
 
 def _of_input(item: Input) -> set[Fraction]:

@@ -16,6 +16,7 @@ from fuzzyspec.fixed.program import Function, ListPort, Port, Program, StatePort
 from fuzzyspec.fixed.run import Run, initial_state, run
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import Module, System
+from fuzzyspec.native.layout import ports_of, states_of
 
 Ints = npt.NDArray[np.integer[Any]]
 Floats = npt.NDArray[np.float64]
@@ -49,18 +50,12 @@ class Subject:
     @property
     def ports(self) -> dict[str, Port]:
         """Every input raw by signal name, without the counts."""
-        found = {p.name: p for p in self.scalars}
-        for listed in self.lists:
-            found.update({f"{listed.name}.{f.name}": f for f in listed.fields})
-        return found
+        return ports_of(self.function)
 
     @property
     def state(self) -> dict[str, StatePort]:
         """What survives a call, by state key."""
-        found = {s.name: s for s in self.function.state}
-        for name, callee in self.function.nested:
-            found.update({f"{name}.{s.name}": s for s in self.program.function(callee).state})
-        return found
+        return states_of(self.program, self.function)
 
     @property
     def initial(self) -> dict[str, int]:

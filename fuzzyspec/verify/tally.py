@@ -59,6 +59,11 @@ class Tally:
         for port in self.subject.function.outputs:
             self.outputs.setdefault(port.name, _Output()).mismatches += int(masks[f"output.{port.name}"].sum())
 
+    def add_bulk(self, cases: int) -> None:
+        """Count cases of which only the hashes were compared."""
+        self.cases += cases
+        self.kinds["bulk"] += cases
+
     def add_exact(self, batch: Batch, run: Run, exact: Exact) -> tuple[Bools, Bools]:
         """Count a batch against the exact meaning; lanes that seem beyond their bounds, and beyond their bands."""
         self.compared += batch.n

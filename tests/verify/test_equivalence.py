@@ -9,7 +9,9 @@ from fractions import Fraction
 import pytest
 
 from fuzzyspec import api
+from fuzzyspec.exact.rational import membership
 from fuzzyspec.verify import Options, Report, TheirC, as_json, as_text, verify
+from fuzzyspec.verify.cases import batches
 from tests.verify import verify_specs
 
 Edit = Callable[[str], str]
@@ -201,3 +203,32 @@ def test_data_says_what_the_text_says() -> None:
     assert bound is not None
     assert Fraction(hold["outputs"][0]["bound_exact"]) == bound
     assert [d["key"] for d in hold["decisions"]] == ["fires.y"]
+
+
+def test_rare_faults_are_found_in_bulk() -> None:
+    """A fault at one input in a million is beyond the aimed cases, but not beyond the two million of the bulk."""
+    trap = "if ((((in->near * 419U) & 1023U) == 7U) && (((in->gap * 419U) & 1023U) == 9U)) { return 64U; }"
+    report = verify_edited(spec("DANGER"), _with_first_statement(trap, "small_danger("), cases=40_000)
+    assert [f.kind for f in report.failures] == ["c"]
+    assert report.failures[0].example is not None
+
+
+def test_every_cell_of_a_table_is_started_alone() -> None:
+    """Whatever the number of cells, the peaks of its terms meet."""
+    loaded = spec("DANGER")
+    first = next(iter(batches(loaded._subjects[0], 1, 10)))
+    assert first.kind == "peaks"
+    assert len({(int(a), int(b)) for a, b in zip(first.inputs["near"], first.inputs["gap"], strict=True)}) == 9
+    for at in range(9):
+        degrees = [
+            controller_degrees(loaded, {k: int(v[at]) for k, v in first.inputs.items()}, name)
+            for name in ("near", "gap")
+        ]
+        assert all(max(d) >= 1 - Fraction(1, 2000) for d in degrees)
+
+
+def controller_degrees(loaded: api.Spec, name: str, raw: int) -> list[Fraction]:
+    """The degrees of one input's terms, from the definition."""
+    item = next(i for i in loaded.controllers["danger"].inputs if i.name == name)
+    value = item.variable.raw.value(raw)
+    return [membership(term.shape, value) for term in item.terms]

@@ -153,3 +153,45 @@ def test_cc_comes_first(tmp_path: Path) -> None:
         (tmp_path / name).chmod(0o755)
     assert find_toolchain({"PATH": str(tmp_path), "CC": "mycc -m32"}) == Toolchain(("mycc", "-m32"))
     assert find_toolchain({"PATH": str(tmp_path)}) == Toolchain(("gcc",))
+
+
+def test_builds_agree_on_the_blocks_they_make_up(sums: Program, sums_files: dict[str, bytes]) -> None:
+    """Two builds hash the same cases alike, and a fault in one shows in the hashes of the blocks that reach it."""
+    faulty = dict(sums_files, **{"sums.c": sums_files["sums.c"].replace(b"& 1023u", b"& 511u")})
+    blocks = range(2, 12)
+    with NativeModule(sums, sums_files) as module, NativeProcess(sums, sums_files) as process:
+        hashes = module.hashes("sums", 3, blocks, 64)
+        assert process.hashes("sums", 3, blocks, 64) == hashes
+        assert module.hashes("sums", 4, blocks, 64) != hashes
+    assert len(set(hashes)) == len(blocks)
+    with NativeProcess(sums, faulty) as process:
+        assert process.hashes("sums", 3, blocks, 64) != hashes
+
+
+def test_a_block_can_be_looked_into(sums: Program, sums_files: dict[str, bytes]) -> None:
+    """Its cases are raws of the C types, its states legal, its counts past the capacity now and then."""
+    with NativeModule(sums, sums_files) as module:
+        drawn = [module.block("sums", 1, block, 256) for block in range(8)]
+        for inputs, state in drawn:
+            assert module.run("sums", inputs, state).status.shape == (256,)
+    offsets = np.concatenate([inputs["offset"] for inputs, _ in drawn])
+    assert offsets.min() < -1000 and offsets.max() > 1000
+    assert 0.9 < np.mean(np.abs(offsets) <= 1000) < 1
+    assert all(state["total"].min() >= 0 and state["total"].max() <= 255 for _, state in drawn)
+    assert drawn[0][0]["items.value"].shape == (256, 2)
+    assert drawn[0][0]["items.count"].max() == 2
+    assert drawn[7][0]["items.count"].max() > 3
+
+
+def test_a_death_in_bulk_names_its_case(sums: Program, sums_files: dict[str, bytes]) -> None:
+    """The case counts from the first block that was asked for."""
+    whole = dict(sums_files)
+    sums_files["sums.c"] = sums_files["sums.c"].replace(
+        b"uint8_t i;", b"uint8_t i;\n    if (in->offset > 30000) { *(volatile int *)0 = 1; }"
+    )
+    with NativeProcess(sums, sums_files, warnings_are_errors=False) as process:
+        death = process.hashes("sums", 1, range(50), 64)
+        assert isinstance(death, Death)
+    with NativeModule(sums, whole) as module:
+        inputs, _ = module.block("sums", 1, death.case // 64, 64)
+    assert inputs["offset"][death.case % 64] > 30000
