@@ -206,9 +206,9 @@ def test_data_says_what_the_text_says() -> None:
 
 
 def test_rare_faults_are_found_in_bulk() -> None:
-    """A fault at one input in a million is beyond the aimed cases, but not beyond the two million of the bulk."""
-    trap = "if ((((in->near * 419U) & 1023U) == 7U) && (((in->gap * 419U) & 1023U) == 9U)) { return 64U; }"
-    report = verify_edited(spec("DANGER"), _with_first_statement(trap, "small_danger("), cases=40_000)
+    """A fault at one input in 260,000 is beyond the few aimed cases asked for, but not beyond the million of the bulk."""
+    trap = "if ((((in->near * 419U) & 511U) == 7U) && (((in->gap * 419U) & 511U) == 9U)) { return 64U; }"
+    report = verify_edited(spec("DANGER"), _with_first_statement(trap, "small_danger("), cases=20_000)
     assert [f.kind for f in report.failures] == ["c"]
     assert report.failures[0].example is not None
 
@@ -220,11 +220,8 @@ def test_every_cell_of_a_table_is_started_alone() -> None:
     assert first.kind == "peaks"
     assert len({(int(a), int(b)) for a, b in zip(first.inputs["near"], first.inputs["gap"], strict=True)}) == 9
     for at in range(9):
-        degrees = [
-            controller_degrees(loaded, {k: int(v[at]) for k, v in first.inputs.items()}, name)
-            for name in ("near", "gap")
-        ]
-        assert all(max(d) >= 1 - Fraction(1, 2000) for d in degrees)
+        for name in ("near", "gap"):
+            assert max(controller_degrees(loaded, name, int(first.inputs[name][at]))) >= 1 - Fraction(1, 2000)
 
 
 def controller_degrees(loaded: api.Spec, name: str, raw: int) -> list[Fraction]:
