@@ -121,8 +121,10 @@ class Lowering:
                 case Call():
                     self.call(statement)
                 case ForEach():
+                    for fold in folds(statement):
+                        self.value(fold, fold.kind)
                     self.loops.append(statement)
-                    self.pass_over(statement.list, self.waiting(statement.list, position + 1))
+                    self.pass_over(statement.list, self.waiting(statement.list, position + 1), True)
                 case _:
                     assert_never(statement)
         errors: dict[str, Fraction] = {}
@@ -179,8 +181,11 @@ class Lowering:
             and all(id(f) in self.folded for f in inner)
         )
 
-    def pass_over(self, list_: str, wanted: list[m.Fold]) -> None:
-        """One loop over the caller's records: every field read once, the element's lets and calls, then the folds."""
+    def pass_over(self, list_: str, wanted: list[m.Fold], bodies: bool) -> None:
+        """One loop over the caller's records: every field read once, the element's lets and calls, then the folds.
+
+        ``bodies``: whether the lets and calls of the ``for each`` met so far are needed.
+        """
         port = next(i for i in self.system.inputs if isinstance(i, ListInput) and i.name == list_)
         outer, self.body = self.body, []
         self.element = {}
@@ -193,7 +198,7 @@ class Lowering:
             self.body += steps
             self.element["field", f.name] = read(f, raw)
         for loop in self.loops:
-            if loop.list != list_:
+            if loop.list != list_ or not bodies:
                 continue
             for statement in loop.body:
                 if isinstance(statement, Let):
@@ -260,7 +265,7 @@ class Lowering:
                 if id(expr) not in self.folded:
                     for nested in (f for part in (expr.body, expr.test, expr.otherwise) for f in folds(part)):
                         self.value(nested, name)
-                    self.pass_over(expr.list, [expr])
+                    self.pass_over(expr.list, [expr], bool(needs_of_element(expr, self.element_calls)))
                 return self.folded[id(expr)]
             case _:
                 assert_never(expr)
