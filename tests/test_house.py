@@ -118,7 +118,7 @@ def test_every_command_is_a_module_that_registers(name: str) -> None:
 
 def test_start_up_imports_nothing_heavy() -> None:
     """Building the command line loads none of the libraries that only some commands need."""
-    heavy = ("numpy", "lark", "jinja2", "cffi", "matplotlib")
+    heavy = ("numpy", "lark", "jinja2", "cffi", "matplotlib", "unicorn", "elftools")
     code = (
         "import sys; from fuzzyspec.cli.main import build_parser; build_parser();"
         f"print(*[name for name in {heavy} if name in sys.modules])"

@@ -74,6 +74,9 @@ def libraries() -> tuple[Finding, ...]:
         ("numpy", "exact and integer models", True),
         ("cffi", "calls the generated C", True),
         ("matplotlib", "fuzzyc sim: figures", False),
+        ("ziglang", "fuzzyc cost: C for Cortex-M and RISC-V", False),
+        ("unicorn", "fuzzyc cost: emulates Cortex-M and RISC-V", False),
+        ("pyelftools", "fuzzyc cost: reads what was built", False),
         ("lark", "after a change of grammar/: the parser's table", False),
     )
     return tuple(
@@ -129,16 +132,19 @@ def linkable_sanitizers(toolchain: Toolchain) -> str | None:
 
 
 def cross_compilers() -> tuple[Finding, ...]:
-    """Compilers for boards: nothing here needs them, a user of the generated C may."""
+    """Compilers for boards, and the emulator of AVR: ``cost`` uses them, a user of the generated C may."""
     listed = (
         ("arm-none-eabi-gcc", "C for Cortex-M", "apt install --no-install-recommends gcc-arm-none-eabi"),
         ("avr-gcc", "C for AVR", "apt install gcc-avr avr-libc"),
         ("riscv64-unknown-elf-gcc", "C for RISC-V", "apt install gcc-riscv64-unknown-elf"),
     )
-    return tuple(
+    here = "found" if shutil.which("simavr") else None
+    avr = Finding("simavr", "fuzzyc cost: cycles on AVR", here, "apt install simavr", False)
+    compilers = (
         Finding(name, use, first_line((name,)) if shutil.which(name) else None, way_out, False)
         for name, use, way_out in listed
     )
+    return (*compilers, avr)
 
 
 def first_line(command: tuple[str, ...]) -> str:

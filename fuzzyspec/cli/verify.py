@@ -35,6 +35,7 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Verify, print, 0 or 1."""
     from fuzzyspec import api
+    from fuzzyspec.cli.progress import Bar
     from fuzzyspec.diagnostics.refusal import Refusal
 
     if arguments.raw and arguments.scenario is None:
@@ -44,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     for name in arguments.only:
         if name not in known:
             raise Refusal(f"{spec.name} has no controller or system `{name}`", f"it has {', '.join(known)}")
-    with _Bar() as bar:
+    with Bar() as bar:
         report = spec.verify(
             seed=arguments.seed,
             cases=arguments.cases,
@@ -71,23 +72,3 @@ def _natural(text: str) -> int:
     if value < 0:
         raise argparse.ArgumentTypeError("must not be negative")
     return value
-
-
-class _Bar:
-    """One line on standard error, gone when it is done."""
-
-    def __init__(self) -> None:
-        self._shown = -1
-
-    def show(self, done: int, total: int, name: str) -> None:
-        percent = 100 if total <= 0 else min(100, 100 * done // total)
-        if percent != self._shown:
-            self._shown = percent
-            print(f"\r[{'#' * (percent // 4):25}] {percent:3} % {name:20.20}", end="", file=sys.stderr, flush=True)
-
-    def __enter__(self) -> _Bar:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._shown >= 0:
-            print(f"\r{'':60}\r", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,27 @@
+"""What a call costs on a microcontroller: the C is built for the target and run in an emulator."""
+
+from __future__ import annotations
+
+from fuzzyspec.cost.emulate import Emulation, EmulationError
+from fuzzyspec.cost.image import Image
+from fuzzyspec.cost.measure import Conditions, Measured, Mismatch, Record, measure
+from fuzzyspec.cost.report import as_json, as_text
+from fuzzyspec.cost.toolchains import OPTIMISATIONS, TARGETS, CrossCompiler, Target, find_compiler
+
+__all__ = [
+    "OPTIMISATIONS",
+    "TARGETS",
+    "Conditions",
+    "CrossCompiler",
+    "Emulation",
+    "EmulationError",
+    "Image",
+    "Measured",
+    "Mismatch",
+    "Record",
+    "Target",
+    "as_json",
+    "as_text",
+    "find_compiler",
+    "measure",
+]

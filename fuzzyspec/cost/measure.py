@@ -1,0 +1,185 @@
+"""One module on several targets: records of what every function costs, and a check that its outputs are right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzzyspec.cost.avr import measure_avr, simavr_is_here
+from fuzzyspec.cost.emulate import Emulation
+from fuzzyspec.cost.image import Image
+from fuzzyspec.cost.inputs import draw_cases
+from fuzzyspec.cost.toolchains import CrossCompiler
+from fuzzyspec.fixed.program import Function, Program
+from fuzzyspec.fixed.run import Run, run
+from fuzzyspec.native.layout import Result
+
+Ints = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """One function on one target, built with one option. None where nothing honest can be said.
+
+    Means and largest are over the inputs that were tried. ``flash`` is with what the compiler's library adds,
+    ``flash_own`` without. ``matches``: the emulated outputs, status and state were the integer program's, bit for bit.
+    """
+
+    target: str
+    option: str
+    function: str
+    compiler: str
+    instructions_mean: float | None
+    instructions_max: int | None
+    cycles_mean: float | None
+    cycles_max: int | None
+    flash: int
+    flash_own: int
+    ram: int
+    stack: int | None
+    matches: bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Mismatch:
+    """A case whose emulated outcome is not the integer program's."""
+
+    target: str
+    option: str
+    function: str
+    case: int
+    inputs: Mapping[str, list[int] | int]
+    what: str
+    got: int
+    wanted: int
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """What is built and tried: ``inputs`` cases a function."""
+
+    compilers: tuple[CrossCompiler, ...]
+    options: tuple[str, ...] = ("O2", "Os")
+    inputs: int = 1000
+    only: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """All records, targets outermost, and at most one mismatch for each."""
+
+    records: tuple[Record, ...]
+    mismatches: tuple[Mismatch, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Cases:
+    """Inputs of a function and what must come of them."""
+
+    inputs: Mapping[str, Ints]
+    state: Mapping[str, Ints] | None
+    wanted: Run
+
+
+def measure(
+    program: Program,
+    files: Mapping[str, bytes],
+    conditions: Conditions,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Measured:
+    """Build, emulate and compare. ``progress`` is called with builds done, builds planned and the target's name.
+
+    Raises MissingTool, BuildError where a compiler rejects the C, EmulationError where the built code faults.
+    """
+    functions = [f for f in program.functions if not conditions.only or f.name in conditions.only]
+    cases = {f.name: _draw(program, f, conditions.inputs) for f in functions}
+    builds = [(c, o) for c in conditions.compilers for o in conditions.options]
+    records: list[Record] = []
+    mismatches: list[Mismatch] = []
+    for done, (compiler, option) in enumerate(builds):
+        if progress is not None:
+            progress(done, len(builds), compiler.target.name)
+        with Image(program, files, compiler, option) as image:
+            for record, mismatch in _measure_image(image, [f.name for f in functions], cases):
+                records.append(record)
+                mismatches += [] if mismatch is None else [mismatch]
+    return Measured(tuple(records), tuple(mismatches))
+
+
+def _draw(program: Program, function: Function, n: int) -> _Cases:
+    inputs, state = draw_cases(program, function, n)
+    return _Cases(inputs, state, run(program, function.name, inputs, state))
+
+
+def _measure_image(
+    image: Image, functions: Sequence[str], cases: Mapping[str, _Cases]
+) -> list[tuple[Record, Mismatch | None]]:
+    """Every function of one build."""
+    avr = image.compiler.target.machine == "avr"
+    emulation = None if avr else Emulation(image)
+    found: list[tuple[Record, Mismatch | None]] = []
+    for name in functions:
+        tried = cases[name]
+        result: Result | None = None
+        instructions = cycles = None
+        stack: int | None = None
+        if emulation is not None:
+            calls = emulation.measure(name, tried.inputs, tried.state)
+            result, instructions, cycles, stack = calls.result, calls.instructions, calls.cycles, calls.stack
+        elif simavr_is_here():
+            timed = measure_avr(image, name, tried.inputs, tried.state)
+            if timed is not None:
+                result, cycles, stack = timed.result, timed.cycles, timed.stack
+        mismatch = None if result is None else _first_mismatch(image, name, tried, result)
+        sizes = image.sizes(name)
+        record = Record(
+            image.compiler.target.name,
+            image.option,
+            name,
+            image.compiler.description,
+            _mean(instructions),
+            _largest(instructions),
+            _mean(cycles),
+            _largest(cycles),
+            sizes.flash,
+            sizes.own,
+            sizes.ram,
+            stack,
+            None if result is None else mismatch is None,
+        )
+        found.append((record, mismatch))
+    return found
+
+
+def _first_mismatch(image: Image, function: str, tried: _Cases, got: Result) -> Mismatch | None:
+    """The first case that differs, in the order of outputs, status, state."""
+    pairs = [(f"output {k}", got.outputs[k], v) for k, v in tried.wanted.outputs.items()]
+    pairs.append(("status", got.status, tried.wanted.status))
+    pairs += [(f"state {k}", v, tried.wanted.state[k]) for k, v in got.state.items()]
+    for what, found, wanted in pairs:
+        differing = np.flatnonzero(found != wanted)
+        if differing.size:
+            at = int(differing[0])
+            given = {k: np.asarray(v)[at].tolist() for k, v in (*tried.inputs.items(), *(tried.state or {}).items())}
+            return Mismatch(
+                image.compiler.target.name,
+                image.option,
+                function,
+                at,
+                given,
+                what,
+                int(found[at]),
+                int(np.asarray(wanted)[at]),
+            )
+    return None
+
+
+def _mean(values: Ints | None) -> float | None:
+    return None if values is None or not values.size else round(float(values.mean()), 3)
+
+
+def _largest(values: Ints | None) -> int | None:
+    return None if values is None or not values.size else int(values.max())
