@@ -189,8 +189,10 @@ def straight_pieces(shape: Shape, raw: Raw) -> list[Piece]:
     top = raw.hi - raw.lo
     if isinstance(shape, Singleton):
         at = position(raw, shape.at)
-        inside = at.denominator == 1 and 0 <= at <= top
-        return [Piece(int(at), int(at), fit(Fraction(DEGREE_ONE), Fraction(0), 0))] if inside else []
+        if at.denominator != 1 or not 0 <= at <= top:
+            return []
+        below = [Piece(0, int(at) - 1, fit(Fraction(0), Fraction(0), int(at) - 1))] if at else []
+        return [*below, Piece(int(at), int(at), fit(Fraction(DEGREE_ONE), Fraction(0), 0))]
     runs: list[tuple[int, int, Fraction, Fraction]] = []
     for low, high, y_low, y_high in _segments(shape, raw, top):
         start, end = max(0, math.ceil(low)), min(top, math.floor(high))
