@@ -222,7 +222,7 @@ class _Step:
         by_zero = right == 0
         # a quotient beyond float64 saturates like any other that is too large for its place
         with np.errstate(over="ignore"):
-            value = np.divide(left, right, out=np.zeros(left.shape), where=~by_zero)
+            value: Floats = np.divide(left, right, out=np.zeros(left.shape), where=~by_zero)
         if expr.into is not None:
             lo, hi = (float(end) for end in expr.into)
             # the divisor comes to 0 from inside its range, which does not hold both signs
@@ -251,7 +251,7 @@ class _Step:
         worst = -np.inf if expr.kind == "max" else np.inf
         kept = np.where(counted, body, worst)
         best = kept.max(axis=-1, initial=worst) if expr.kind == "max" else kept.min(axis=-1, initial=worst)
-        none = ~counted.any(axis=-1)
+        none: Bools = np.logical_not(counted.any(axis=-1))
         otherwise = 0.0 if expr.otherwise is None else self.number(expr.otherwise, place.where(none))
         return np.where(none, otherwise, best)
 
