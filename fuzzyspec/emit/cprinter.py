@@ -44,12 +44,13 @@ class Level(IntEnum):
     CONDITIONAL = 1
     OR = 2
     AND = 3
-    COMPARE = 4
-    SHIFT = 5
-    ADD = 6
-    MULTIPLY = 7
-    UNARY = 8
-    ATOM = 9
+    BITS = 4
+    COMPARE = 5
+    SHIFT = 6
+    ADD = 7
+    MULTIPLY = 8
+    UNARY = 9
+    ATOM = 10
 
 
 _OPERATORS: dict[str, Level] = {
@@ -59,6 +60,9 @@ _OPERATORS: dict[str, Level] = {
     "/": Level.MULTIPLY,
     "<<": Level.SHIFT,
     ">>": Level.SHIFT,
+    "&": Level.BITS,
+    "|": Level.BITS,
+    "^": Level.BITS,
 }
 
 _OPPOSITE: dict[CompareOp, CompareOp] = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}

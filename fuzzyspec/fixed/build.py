@@ -127,6 +127,15 @@ def mul(left: Expr, right: Expr) -> Expr:
     return _binary("*", left, right, min(products), max(products))
 
 
+def square(value: Expr) -> Expr:
+    """``value * value``, which is never negative."""
+    found = mul(value, value)
+    if not isinstance(found, Binary):
+        return found
+    ends = (value.lo * value.lo, value.hi * value.hi)
+    return replace(found, lo=0 if value.lo <= 0 <= value.hi else min(ends), hi=max(ends))
+
+
 def floor_div(left: Expr, right: Expr) -> Expr:
     """``left / right`` of a non-negative by a positive, rounded down."""
     if left.lo < 0 or right.lo < 1:
@@ -157,6 +166,34 @@ def shift_left(left: Expr, count: int) -> Expr:
     if count == 0:
         return left
     return _binary("<<", left, Const(count), left.lo << count, left.hi << count)
+
+
+def bits_and(left: Expr, right: Expr) -> Expr:
+    """Bitwise and of two non-negatives."""
+    _unsigned(left, right)
+    return Binary("&", left, right, 0, min(left.hi, right.hi))
+
+
+def bits_or(left: Expr, right: Expr) -> Expr:
+    """Bitwise or of two non-negatives."""
+    _unsigned(left, right)
+    return Binary("|", left, right, max(left.lo, right.lo), _all_ones(left, right))
+
+
+def bits_xor(left: Expr, right: Expr) -> Expr:
+    """Bitwise exclusive or of two non-negatives."""
+    _unsigned(left, right)
+    return Binary("^", left, right, 0, _all_ones(left, right))
+
+
+def _all_ones(left: Expr, right: Expr) -> int:
+    hi: int = (1 << max(left.hi, right.hi).bit_length()) - 1
+    return hi
+
+
+def _unsigned(left: Expr, right: Expr) -> None:
+    if left.lo < 0 or right.lo < 0 or max(left.hi, right.hi) > UINT32_MAX:
+        raise RangeError("bits are taken of non-negatives of 32 bits")
 
 
 def rounded_shift(left: Expr, count: int) -> Expr:

@@ -16,7 +16,7 @@ from fuzzyspec.model.controller import Behavior
 from fuzzyspec.model.variable import Variable
 
 CType = Literal["uint8", "int8", "uint16", "int16", "uint32", "int32"]
-BinaryOp = Literal["+", "-", "*", "/", ">>", "<<"]
+BinaryOp = Literal["+", "-", "*", "/", ">>", "<<", "&", "|", "^"]
 CompareOp = Literal["<", "<=", ">", ">=", "==", "!="]
 
 # --- expressions -----------------------------------------------------------------------------

@@ -84,6 +84,9 @@ _ARITHMETIC: Mapping[BinaryOp, Callable[[Any, Any], Any]] = {
     "/": operator.floordiv,
     ">>": operator.rshift,
     "<<": operator.lshift,
+    "&": operator.and_,
+    "|": operator.or_,
+    "^": operator.xor,
 }
 _COMPARISON: Mapping[CompareOp, Callable[[Any, Any], Any]] = {
     "<": operator.lt,

@@ -30,9 +30,12 @@ from fuzzyspec.fixed.program import (
 )
 from fuzzyspec.lower.average import AverageNumbers, average
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
-from fuzzyspec.lower.fire import Firing, fire
+from fuzzyspec.lower.fire import DEGREE_BITS, Firing, fire
 from fuzzyspec.lower.fuzzify import fuzzify
+from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.machine import MACHINES, Machine
+from fuzzyspec.lower.masks import Means, fire_masks
+from fuzzyspec.lower.masks import applies as masks_apply
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.minors import fire_minors
 from fuzzyspec.lower.scope import Scope
@@ -92,6 +95,7 @@ def lower_controller(
     body: list[Stmt] = []
     status: list[StatusBit] = []
     degrees = []
+    evens = None if optimize == "size" else masks_apply(controller)
     bare = optimize != "size" and minors_apply(controller)
     for item in controller.inputs:
         variable = item.variable
@@ -106,7 +110,12 @@ def lower_controller(
         steps, found = fuzzify(item, raw, scope, bool(controller.sentences), bare)
         body += steps
         degrees.append(found)
-    firing = fire(controller, degrees, scope, fire_minors if bare else None)
+    means: Means | None = None
+    if evens is not None and controller.cells is not None:
+        firing = Firing([], DEGREE_BITS, DEGREE_ONE)
+        means = fire_masks(controller, controller.cells, evens, degrees, firing, machine, scope)
+    else:
+        firing = fire(controller, degrees, scope, fire_minors if bare else None)
     body += firing.body
     threshold = max(1, math.floor(controller.fires_at * firing.one + Fraction(1, 2)))
     body += _acting(controller, firing, threshold)
@@ -114,7 +123,10 @@ def lower_controller(
     numbers: list[CentroidNumbers | AverageNumbers] = []
     state: list[StatePort] = []
     for o, output in enumerate(controller.outputs):
-        if controller.infer.defuzzify == "centroid":
+        if means is not None:
+            steps, raw, found_numbers = means[o]
+            numbers.append(found_numbers)
+        elif controller.infer.defuzzify == "centroid":
             steps, raw, more, found_numbers = centroid(output, firing.levels[o], machine, scope)
             tables += more
             numbers.append(found_numbers)

@@ -11,6 +11,7 @@ which hold it and any of the larger ones (1, 2, 4 .. of them). No minimum is tak
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from fuzzyspec.fixed import build
@@ -24,7 +25,6 @@ from fuzzyspec.fixed.program import (
     Expr,
     Local,
     Stmt,
-    Table,
 )
 from fuzzyspec.lower.fire import Firing, act, consequent_tables, owner_table, raise_level
 from fuzzyspec.lower.fuzzify import Degrees
@@ -50,56 +50,100 @@ def applies(controller: Controller) -> bool:
 
 
 @dataclass
-class _Minor:
+class Minor:
     """The smaller degree of one input, and what taking it instead of the major adds to the cell's index."""
 
     degree: Local
     step: Local
 
 
+Group = tuple[Local, list[Expr]]
+"""A strength and the indices of the cells that have it."""
+Act = Callable[[Expr, Local], list[Stmt]]
+
+
+@dataclass
+class Minors:
+    """The cell of the majors and the minors of every input, the largest first."""
+
+    base: Expr
+    sorted: list[Minor]
+
+    @staticmethod
+    def of(controller: Controller, cells: CellRules, degrees: list[Degrees], body: list[Stmt], scope: Scope) -> Minors:
+        """Append the statements that find and sort them."""
+        body.append(Comment("rules: the cell of the larger degrees, and how each smaller degree leaves it"))
+        strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(cells.shape))]
+        base: Expr = Const(0)
+        minors: list[Minor] = []
+        for i, (d, stride) in enumerate(zip(degrees, strides, strict=True)):
+            minor, at = _minor(controller.inputs[i].name, d, stride, max(strides), body, scope)
+            minors.append(minor)
+            total = build.add(base, at)
+            base = build.local(scope.name("cell"), total, ctype="uint32")
+            body.append(Define(base, total, True))
+        _sort(minors, body, scope)
+        return Minors(base, minors)
+
+    def groups(self, last: int, body: list[Stmt], scope: Scope) -> list[Group]:
+        """The n + 1 strengths and their cells, strongest first; ``last`` is the largest index of a cell."""
+        majors = build.sub(Const(DEGREE_ONE), self.sorted[0].degree)
+        strength = build.local(scope.name("majors"), majors)
+        body.append(Define(strength, majors, True))
+        found: list[Group] = [(strength, [self.base])]
+        offsets: list[Expr] = [self.base]
+        for minor in self.sorted:
+            places: list[Expr] = []
+            for offset in offsets:
+                # Every such sum is the index of a cell: majors and minors both lie in their input's terms.
+                place = Local(scope.name("cell"), "int32", 0, last)
+                body.append(Define(place, build.add_bounded(offset, minor.step, last), True))
+                places.append(place)
+            found.append((minor.degree, places))
+            offsets += places
+        return found
+
+    def ties(self, groups: list[Group], act: Act, body: list[Stmt]) -> None:
+        """Where a minor is 1/2 its cells are as strong as that of the majors: the higher priority acts."""
+        majors = groups[0][0]
+        equal: list[Stmt] = []
+        for strength, places in groups[1:]:
+            inner = [s for p in places for s in act(p, strength)]
+            equal.append(Branch(build.compare("==", strength, majors), tuple(inner)))
+        body.append(Branch(build.compare("==", groups[1][0], majors), tuple(equal)))
+
+
 def fire_minors(controller: Controller, cells: CellRules, degrees: list[Degrees], firing: Firing, scope: Scope) -> None:
     """Append to ``firing`` the statements that raise the levels of every active cell."""
     body = firing.body
-    body.append(Comment("rules: the cell of the larger degrees, and how each smaller degree leaves it"))
-    strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(cells.shape))]
-    last = math.prod(cells.shape) - 1
-    base: Expr = Const(0)
-    minors: list[_Minor] = []
-    for i, (d, stride) in enumerate(zip(degrees, strides, strict=True)):
-        minor, at = _minor(controller.inputs[i].name, d, stride, max(strides), body, scope)
-        minors.append(minor)
-        total = build.add(base, at)
-        base = build.local(scope.name("cell"), total)
-        body.append(Define(base, total, True))
-    _sort(minors, body, scope)
-    walk = _Walk(controller, firing, consequent_tables(controller, cells, firing, scope), scope, last)
-    walk.owners = owner_table(controller, cells, firing, scope)
-    majors = build.sub(Const(DEGREE_ONE), minors[0].degree)
-    strength = build.local(scope.name("majors"), majors)
-    body.append(Define(strength, majors, True))
-    body += walk.cell(base, strength, always=True)
-    offsets: list[Expr] = [base]
-    for minor in minors:
-        here: list[Stmt] = []
-        places: list[Expr] = []
-        for offset in offsets:
-            # Every such sum is the index of a cell: majors and minors both lie in their input's terms.
-            moved = build.add_bounded(offset, minor.step, last)
-            place = Local(scope.name("cell"), "int32", 0, last)
-            here.append(Define(place, moved, True))
-            places.append(place)
-        body += here
-        body.append(
-            Branch(
-                build.compare(">", minor.degree, Const(0)),
-                tuple(s for p in places for s in walk.cell(p, minor.degree, always=False)),
-            )
-        )
-        offsets += places
-    walk.ties(offsets, minors, strength, body)
+    minors = Minors.of(controller, cells, degrees, body, scope)
+    consequents = consequent_tables(controller, cells, firing, scope)
+    owners = owner_table(controller, cells, firing, scope)
+    groups = minors.groups(math.prod(cells.shape) - 1, body, scope)
+    unowned = owners is not None and 0 in owners.values
+
+    def fired(row: Expr, strength: Local, acts: bool) -> list[Stmt]:
+        steps: list[Stmt] = []
+        for o, table in consequents:
+            output = controller.outputs[o]
+            hi = max(table.values)
+            term = Local(scope.name(f"{output.name}_term"), "uint8", min(table.values), hi)
+            steps.append(Define(term, Element(table.name, "uint8", row, term.lo, hi, True), True))
+            holes = len(output.terms) if hi == len(output.terms) else None
+            steps += raise_level(controller, firing, o, term, strength, holes)
+        return steps + (act(owners, row, strength, firing, scope) if owners is not None and acts else [])
+
+    for level, (strength, places) in enumerate(groups):
+        steps = [s for p in places for s in fired(p, strength, level == 0 or unowned)]
+        if level:
+            body.append(Branch(build.compare(">", strength, Const(0)), tuple(steps)))
+        else:
+            body += steps
+    if owners is not None and not unowned:
+        minors.ties(groups, lambda p, s: act(owners, p, s, firing, scope), body)
 
 
-def _minor(name: str, d: Degrees, stride: int, widest: int, body: list[Stmt], scope: Scope) -> tuple[_Minor, Expr]:
+def _minor(name: str, d: Degrees, stride: int, widest: int, body: list[Stmt], scope: Scope) -> tuple[Minor, Expr]:
     upper = d.upper
     assert upper is not None
     low = build.mul(d.first, Const(stride))
@@ -121,10 +165,10 @@ def _minor(name: str, d: Degrees, stride: int, widest: int, body: list[Stmt], sc
             (Assign(degree, build.sub_guarded(upper, Const(0), HALF_DEGREE)),),
         ),
     ]
-    return _Minor(degree, step), at
+    return Minor(degree, step), at
 
 
-def _sort(minors: list[_Minor], body: list[Stmt], scope: Scope) -> None:
+def _sort(minors: list[Minor], body: list[Stmt], scope: Scope) -> None:
     """A network of exchanges that leaves the largest minor first (insertion order, n (n - 1) / 2 exchanges)."""
     for end in range(len(minors) - 1, 0, -1):
         for i in range(end):
@@ -144,41 +188,3 @@ def _sort(minors: list[_Minor], body: list[Stmt], scope: Scope) -> None:
                     ),
                 )
             )
-
-
-@dataclass
-class _Walk:
-    controller: Controller
-    firing: Firing
-    consequents: list[tuple[int, Table]]
-    scope: Scope
-    last: int
-    owners: Table | None = None
-
-    def cell(self, row: Expr, strength: Local, always: bool) -> list[Stmt]:
-        """One cell's strength enters the levels of its consequents; the acting behavior is that of the majors' cell."""
-        body: list[Stmt] = []
-        for o, table in self.consequents:
-            output = self.controller.outputs[o]
-            hi = max(table.values)
-            term = Local(self.scope.name(f"{output.name}_term"), "uint8", min(table.values), hi)
-            body.append(Define(term, Element(table.name, "uint8", row, term.lo, hi, True), True))
-            holes = len(output.terms) if hi == len(output.terms) else None
-            body += raise_level(self.controller, self.firing, o, term, strength, holes)
-        if self.owners is not None and (always or 0 in self.owners.values):
-            body += act(self.owners, row, strength, self.firing, self.scope)
-        return body
-
-    def ties(self, places: list[Expr], minors: list[_Minor], majors: Local, body: list[Stmt]) -> None:
-        """Where a minor is 1/2 its cells are as strong as that of the majors: the higher priority acts."""
-        if self.owners is None or 0 in self.owners.values:
-            return
-        equal: list[Stmt] = []
-        for i, minor in enumerate(minors):
-            inner = [
-                s
-                for p in places[2**i : 2 ** (i + 1)]
-                for s in act(self.owners, p, minor.degree, self.firing, self.scope)
-            ]
-            equal.append(Branch(build.compare("==", minor.degree, majors), tuple(inner)))
-        body.append(Branch(build.compare("==", minors[0].degree, majors), tuple(equal)))

@@ -27,9 +27,10 @@ def divide(
     if y.lo < 0:
         raise build.RangeError("the divisor may have both signs")
     if into is None:
-        if y.lo <= 0:
-            raise build.RangeError("the divisor may be 0")
-        corners = [a / b for a in (x.lo, x.hi) for b in (y.lo, y.hi)]
+        # What the exact operands can be, not only the computed ones: the exact quotient is nowhere saturated.
+        if y.lo <= y.error:
+            raise build.RangeError("the divisor may be 0, or within its certified error of it")
+        corners = [a / b for a in (x.lo - x.error, x.hi + x.error) for b in (y.lo - y.error, y.hi + y.error)]
         into = (min(corners), max(corners))
     lo, hi = into
     if lo == hi:
@@ -37,7 +38,9 @@ def divide(
     above_low = arithmetic.plus(x, arithmetic.by_constant(y, -lo), name)
     extent = arithmetic.by_constant(y, hi - lo)
     p, q = arithmetic.common([above_low, extent], name)
-    rounding = p.error - above_low.error + q.error - extent.error
+    # What numerator and divisor were rounded by on the way here; 0 wherever the bits can hold both.
+    numerator_off = p.error - x.error - abs(lo) * y.error
+    divisor_off = q.error - extent.error
     signed = arithmetic.bind(p.expr, name)
     num = arithmetic.bind(build.greatest(signed, Const(0)), f"{name}_num")
     den = arithmetic.bind(q.expr, f"{name}_den")
@@ -51,11 +54,15 @@ def divide(
     step = (hi - lo) / QUOTIENT_ONE
     half = step / 2
     error, cause = half, cause_of(x, y)
-    if x.error or y.error or rounding:
-        reach = max(abs(lo), abs(hi))
-        worst = x.error + reach * y.error + rounding * (1 + 1 / (hi - lo))
+    if x.error or y.error or numerator_off or divisor_off:
         spread = hi - lo
-        error += min(spread, worst / y.lo) if y.lo > 0 else spread
+        worst = x.error + max(abs(lo), abs(hi)) * y.error + numerator_off + divisor_off
+        nearest = y.lo
+        if y.lo == 0 and not x.error and not y.error and numerator_off < x.least:
+            # Over 0 an exact numerator keeps its sign; above it an exact divisor is a step away.
+            nearest = y.least
+        nearest -= divisor_off / spread
+        error += min(spread, worst / nearest) if nearest > 0 else spread
         if 4 * error > spread:
             cause = f"{name}: its divisor comes near 0 while its operands carry an error"
     return Scaled(t, step, lo + half, error, cause)

@@ -38,11 +38,17 @@ class Scaled:
 
     @property
     def lo(self) -> Fraction:
-        return self.offset + self.step * self.expr.lo
+        return self.offset + min(self.step * self.expr.lo, self.step * self.expr.hi)
 
     @property
     def hi(self) -> Fraction:
-        return self.offset + self.step * self.expr.hi
+        return self.offset + max(self.step * self.expr.lo, self.step * self.expr.hi)
+
+    @property
+    def least(self) -> Fraction:
+        """The smallest positive size that the value can have: it is a multiple of the step from the offset."""
+        off = self.offset % abs(self.step)
+        return min(off, abs(self.step) - off) or abs(self.step)
 
 
 def constant(value: Fraction) -> Scaled:
@@ -149,23 +155,10 @@ class Arithmetic:
             return Const(nearest), abs(nearest - middle) + ratio * u.hi / 2
         limit = Fraction(build.UINT32_MAX)
         if u.hi * ratio.numerator + ratio.denominator * (abs(rest) + 1) > limit:
-            spare = 0
-            while (u.hi >> spare) > 2**22 and ratio * 2 ** (spare + 1) < Fraction(1, 8):
-                spare += 1
+            spare, bounded, lost = _shortest(u.hi, ratio, abs(rest) + 1)
             if spare:
-                error += ratio * 2**spare * HALF
                 u = self.bind(build.rounded_shift(u, spare), f"{name}_short")
-                ratio = ratio * 2**spare
-            numerator_limit = max(1, int(limit * HALF) // max(1, u.hi))
-            bounded = ratio
-            if ratio.numerator > numerator_limit:
-                bounded = 1 / (1 / ratio).limit_denominator(numerator_limit)
-            while u.hi * bounded.numerator + bounded.denominator * (abs(rest) + 1) > limit:
-                numerator_limit //= 2
-                if numerator_limit < 1:
-                    raise build.RangeError("a scale factor does not fit 32-bit arithmetic")
-                bounded = 1 / (1 / ratio).limit_denominator(numerator_limit)
-            error += abs(bounded - ratio) * u.hi
+            error += lost
             ratio = bounded
         a, b = ratio.numerator, ratio.denominator
         add = math.floor((rest + HALF) * b)
@@ -205,8 +198,9 @@ class Arithmetic:
             return self._widen(self.by_constant(b, a.lo), a.error, b)
         if b.expr.lo == b.expr.hi:
             return self._widen(self.by_constant(a, b.lo), b.error, a)
-        x, y = self._factor(a, name), self._factor(b, name)
-        product = self.bind(build.mul(x.expr, y.expr), name)
+        x = self._factor(a, name)
+        y = x if a == b else self._factor(b, name)
+        product = self.bind(build.square(x.expr) if x is y else build.mul(x.expr, y.expr), name)
         largest_a, largest_b = (max(abs(v.lo), abs(v.hi)) for v in (x, y))
         error = x.error * largest_b + y.error * largest_a + x.error * y.error
         return Scaled(product, x.step * y.step, Fraction(0), error, cause_of(a, b))
@@ -250,3 +244,35 @@ class Arithmetic:
         test = build.compare("<", value, Const(0))
         flipped = Select(test, build.sub(Const(0), value), value, 0, max(-value.lo, value.hi))
         return Scaled(self.bind(flipped, name), whole.step, whole.offset, whole.error, whole.cause)
+
+
+def _shortest(top: int, ratio: Fraction, rest: Fraction) -> tuple[int, Fraction, Fraction]:
+    """How to multiply ``0 .. top`` by a ratio in 32 bits with the least error.
+
+    Bits to round away first, the ratio to multiply by then, and what both cost. More bits for the one leave fewer for the
+    other. Raises RangeError where no way goes.
+    """
+    found: list[tuple[Fraction, int, Fraction]] = []
+    for spare in range(max(1, top.bit_length() - 7)):
+        short = (top + (1 << spare >> 1)) >> spare
+        wanted = ratio * 2**spare
+        bounded = _nearby(wanted, short, rest)
+        if bounded is not None:
+            rounding = wanted * HALF if spare else Fraction(0)
+            found.append((rounding + abs(bounded - wanted) * short, spare, bounded))
+    if not found:
+        raise build.RangeError("a scale factor does not fit 32-bit arithmetic")
+    lost, spare, bounded = min(found)
+    return spare, bounded, lost
+
+
+def _nearby(ratio: Fraction, top: int, rest: Fraction) -> Fraction | None:
+    """The ratio, or one near it with a numerator and a divisor so small that the product and ``rest`` fit 32 bits."""
+    limit = build.UINT32_MAX
+    bounded, numerator = ratio, limit // 2 // max(1, top)
+    while top * bounded.numerator + bounded.denominator * rest > limit:
+        if numerator < 1:
+            return None
+        bounded = 1 / (1 / ratio).limit_denominator(numerator)
+        numerator //= 2
+    return bounded

@@ -10,8 +10,9 @@ import numpy.typing as npt
 from fuzzyspec.lower.average import AverageNumbers
 from fuzzyspec.lower.bounds.memberships import GRID, Floats, level_sets, membership
 from fuzzyspec.lower.bounds.strengths import Band
-from fuzzyspec.lower.centroid import CentroidNumbers, SetNumbers, closed_form
+from fuzzyspec.lower.centroid import CentroidNumbers, SetNumbers
 from fuzzyspec.lower.lines import DEGREE_ONE
+from fuzzyspec.lower.sets import closed_form
 from fuzzyspec.model.controller import Output
 
 BINS = 128
