@@ -206,7 +206,7 @@ def test_data_says_what_the_text_says() -> None:
 
 
 def test_rare_faults_are_found_in_bulk() -> None:
-    """A fault at one input in 260,000 is beyond the few aimed cases asked for, but not beyond the million of the bulk."""
+    """A fault at one input in 260,000 is beyond the few aimed cases asked for, but not beyond a million in bulk."""
     trap = "if ((((in->near * 419U) & 511U) == 7U) && (((in->gap * 419U) & 511U) == 9U)) { return 64U; }"
     report = verify_edited(spec("DANGER"), _with_first_statement(trap, "small_danger("), cases=20_000)
     assert [f.kind for f in report.failures] == ["c"]
