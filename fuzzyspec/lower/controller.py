@@ -95,7 +95,7 @@ def lower_controller(
     body: list[Stmt] = []
     status: list[StatusBit] = []
     degrees = []
-    evens = None if optimize == "size" else masks_apply(controller)
+    evens = None if optimize == "size" else masks_apply(controller, machine)
     bare = optimize != "size" and minors_apply(controller)
     for item in controller.inputs:
         variable = item.variable

@@ -46,9 +46,14 @@ from fuzzyspec.model.controller import CellRules, Controller, Output
 MASK_BITS = 16
 
 
-def applies(controller: Controller) -> list[EvenOutput] | None:
-    """The outputs' shapes where a controller can be computed this way, else None."""
-    if not minors_apply(controller) or controller.infer.defuzzify != "centroid" or controller.cells is None:
+def applies(controller: Controller, machine: Machine) -> list[EvenOutput] | None:
+    """The outputs' shapes where a controller can be computed this way and gains by it, else None."""
+    if (
+        not machine.roomy
+        or not minors_apply(controller)
+        or controller.infer.defuzzify != "centroid"
+        or controller.cells is None
+    ):
         return None
     if not all(controller.always_fires) or any(-1 in c for c in controller.cells.consequents):
         return None
@@ -60,7 +65,9 @@ def applies(controller: Controller) -> list[EvenOutput] | None:
         if even is None or not scale_of(even.forms).exact:
             return None
         found.append(even)
-    return found
+    # A level costs each output about what two sets cost one by one.
+    levels = (len(controller.inputs) + 1) * len(found)
+    return found if 2 * levels < sum(len(e.forms) for e in found) else None
 
 
 @dataclass

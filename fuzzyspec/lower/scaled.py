@@ -249,7 +249,8 @@ class Arithmetic:
 def _shortest(top: int, ratio: Fraction, rest: Fraction) -> tuple[int, Fraction, Fraction]:
     """How to multiply ``0 .. top`` by a ratio in 32 bits with the least error.
 
-    Bits to round away first, the ratio to multiply by then, and what both cost. More bits for the one leave fewer for the
+    Bits to round away first, the ratio to multiply by then, and what both cost. More bits for the one leave fewer
+    for the
     other. Raises RangeError where no way goes.
     """
     found: list[tuple[Fraction, int, Fraction]] = []
