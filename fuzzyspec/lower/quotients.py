@@ -22,10 +22,13 @@ def divide(
     one step: no correlation between them is lost, nothing overflows, and x/0 is the end on x's side. Raises RangeError
     where the divisor's integers may be 0 although its range is not, or hold both signs.
     """
-    if y.hi <= 0:
+    if y.hi < -y.lo:
         x, y = arithmetic.negated(x), arithmetic.negated(y)
     if y.lo < 0:
-        raise build.RangeError("the divisor may have both signs")
+        # The exact divisor has one sign, so what lies beyond 0 is error, and clamping takes some of it away.
+        if -y.lo > y.error:
+            raise build.RangeError("the divisor may have both signs")
+        y = arithmetic.largest([y, constant(Fraction(0))], f"{name}_by")
     if into is None:
         # What the exact operands can be, not only the computed ones: the exact quotient is nowhere saturated.
         if y.lo <= y.error:
