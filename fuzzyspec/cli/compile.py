@@ -39,7 +39,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--optimize",
         choices=("speed", "balanced", "size"),
         default="balanced",
-        help="what to choose the strategies for; the outputs are the same (default: balanced)",
+        help="what to choose the strategies for (default: balanced)",
     )
     parser.add_argument(
         "--target",

@@ -28,9 +28,8 @@ Means = tuple[CentroidBound | AverageBound, ...]
 class Options:
     """``bounds``: ``quick`` derives in well under a second, ``thorough`` looks at fifty times as many boxes.
 
-    ``optimize``: what the strategies are chosen for, ``target``: the machine. Every choice computes the same
-    outputs, bit for
-    bit, and runs on every machine.
+    ``optimize``: what the strategies are chosen for, ``target``: the machine. The C of every choice runs bit-exact on
+    every machine; most choices, not all, compute the same integers, and each has its own certificate.
     """
 
     bounds: Literal["quick", "thorough"] = "quick"
