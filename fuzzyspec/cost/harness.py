@@ -135,7 +135,7 @@ def _case(layout: Layout, names: Names, *, direct: bool) -> Iterator[str]:
         yield f"{c.state_t} state;"
     yield f"{names.status_t} status;"
     yield "volatile uint8_t *byte = (volatile uint8_t *)&output;"
-    yield "uint8_t k;"
+    yield "uint16_t k;"
     yield "for (k = 0; k < sizeof output; ++k) { byte[k] = 0xA5U; }"
     for slot in layout.inputs:
         bits = slot.ctype.lstrip("uint")
