@@ -27,6 +27,7 @@ def register(subparsers: Any) -> None:
     parser.add_argument("--raw", action="store_true", help="the scenario holds raws, not values in declared units")
     parser.add_argument("--seed", metavar="N", type=_natural, help="seed of the random inputs")
     parser.add_argument("--cases", metavar="N", type=_natural, help="random cases a function, besides the aimed ones")
+    parser.add_argument("--worst", action="store_true", help="also print where each output's error was largest")
     parser.add_argument("--no-sanitize", action="store_true", help="leave out the build under sanitizers")
     parser.add_argument("--format", choices=("text", "json"), default="text", help="what is printed")
     parser.set_defaults(run=run)
@@ -63,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         print(json.dumps(as_json(report), indent=2))
     else:
-        print(as_text(report))
+        print(as_text(report, worst=arguments.worst))
     return 0 if report.ok else 1
 
 

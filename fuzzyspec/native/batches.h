@@ -1,11 +1,11 @@
 /* What a generated harness offers: each function of the module over arrays, and what these arrays hold. */
-#ifndef FUZZYC_BATCHES_H
-#define FUZZYC_BATCHES_H
+#ifndef FUZZYCHARNESS_BATCHES_H
+#define FUZZYCHARNESS_BATCHES_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-typedef int fuzzyc_batch(
+typedef int fuzzycharness_batch(
     size_t n, const size_t *widths, const void *const *in, void *const *out, volatile uint64_t *at);
 
 /* One array. Legal raws lie in lo .. hi, the C type's values in low .. high; list is -1 outside of lists. */
@@ -15,23 +15,23 @@ typedef struct {
     unsigned char state;
     int list;
     int64_t lo, hi, low, high;
-} fuzzyc_slot;
+} fuzzycharness_slot;
 
 /* Arrays in, then arrays out. */
 typedef struct {
     size_t ins, outs, lists;
-    const fuzzyc_slot *slots;
+    const fuzzycharness_slot *slots;
     const size_t *capacities;
-} fuzzyc_shape;
+} fuzzycharness_shape;
 
-extern const size_t fuzzyc_functions;
-extern fuzzyc_batch *const fuzzyc_batches[];
-extern const fuzzyc_shape fuzzyc_shapes[];
+extern const size_t fuzzycharness_functions;
+extern fuzzycharness_batch *const fuzzycharness_batches[];
+extern const fuzzycharness_shape fuzzycharness_shapes[];
 
-unsigned fuzzyc_selftest(void);
+unsigned fuzzycharness_selftest(void);
 
-void fuzzyc_widths(size_t function, uint64_t block, size_t *widths);
-void fuzzyc_draw(size_t function, uint64_t seed, uint64_t block, size_t n, const size_t *widths, void *const *in);
-uint64_t fuzzyc_hash(size_t function, uint64_t seed, uint64_t block, size_t n, volatile uint64_t *at, int *failed);
+void fuzzycharness_widths(size_t function, uint64_t block, size_t *widths);
+void fuzzycharness_draw(size_t function, uint64_t seed, uint64_t block, size_t n, const size_t *widths, void *const *in);
+uint64_t fuzzycharness_hash(size_t function, uint64_t seed, uint64_t block, size_t n, volatile uint64_t *at, int *failed);
 
 #endif

@@ -28,7 +28,7 @@ static void put(void *array, size_t index, size_t bytes, int64_t value)
     }
 }
 
-static int64_t draw(const fuzzyc_slot *slot, size_t width, uint64_t *state)
+static int64_t draw(const fuzzycharness_slot *slot, size_t width, uint64_t *state)
 {
     const uint64_t r = next(state);
     const int wild = (r & 31u) == 0 && !slot->state;
@@ -43,9 +43,9 @@ static int64_t draw(const fuzzyc_slot *slot, size_t width, uint64_t *state)
 }
 
 /* Widths of a block: two elements mostly, among which one element's fault shows; the whole capacity now and then. */
-void fuzzyc_widths(size_t function, uint64_t block, size_t *widths)
+void fuzzycharness_widths(size_t function, uint64_t block, size_t *widths)
 {
-    const fuzzyc_shape *const shape = &fuzzyc_shapes[function];
+    const fuzzycharness_shape *const shape = &fuzzycharness_shapes[function];
     size_t k;
     for (k = 0; k < shape->lists; ++k) {
         const size_t capacity = shape->capacities[k];
@@ -53,16 +53,16 @@ void fuzzyc_widths(size_t function, uint64_t block, size_t *widths)
     }
 }
 
-void fuzzyc_draw(size_t function, uint64_t seed, uint64_t block, size_t n, const size_t *widths, void *const *in)
+void fuzzycharness_draw(size_t function, uint64_t seed, uint64_t block, size_t n, const size_t *widths, void *const *in)
 {
-    const fuzzyc_shape *const shape = &fuzzyc_shapes[function];
+    const fuzzycharness_shape *const shape = &fuzzycharness_shapes[function];
     uint64_t state = (seed + 1u) * UINT64_C(0x9E3779B97F4A7C15) ^ (block + 1u) * UINT64_C(0xD1B54A32D192ED03);
     size_t k, i;
     if (state == 0) {
         state = 1;
     }
     for (k = 0; k < shape->ins; ++k) {
-        const fuzzyc_slot *const slot = &shape->slots[k];
+        const fuzzycharness_slot *const slot = &shape->slots[k];
         const size_t width = slot->list < 0 ? 1 : widths[slot->list];
         const size_t many = n * (slot->count ? 1 : width);
         for (i = 0; i < many; ++i) {
@@ -85,9 +85,9 @@ static uint64_t hashed(uint64_t hash, const void *data, size_t size)
 }
 
 /* Hash of one block's results; *failed is set where there is no memory. */
-uint64_t fuzzyc_hash(size_t function, uint64_t seed, uint64_t block, size_t n, volatile uint64_t *at, int *failed)
+uint64_t fuzzycharness_hash(size_t function, uint64_t seed, uint64_t block, size_t n, volatile uint64_t *at, int *failed)
 {
-    const fuzzyc_shape *const shape = &fuzzyc_shapes[function];
+    const fuzzycharness_shape *const shape = &fuzzycharness_shapes[function];
     const size_t many = shape->ins + shape->outs;
     void **const arrays = calloc(many, sizeof *arrays);
     size_t *const sizes = calloc(many, sizeof *sizes);
@@ -97,17 +97,17 @@ uint64_t fuzzyc_hash(size_t function, uint64_t seed, uint64_t block, size_t n, v
 
     *failed = arrays == NULL || sizes == NULL || widths == NULL;
     if (!*failed) {
-        fuzzyc_widths(function, block, widths);
+        fuzzycharness_widths(function, block, widths);
     }
     for (k = 0; k < many && !*failed; ++k) {
-        const fuzzyc_slot *const slot = &shape->slots[k];
+        const fuzzycharness_slot *const slot = &shape->slots[k];
         sizes[k] = n * slot->bytes * (slot->list < 0 || slot->count ? 1 : widths[slot->list]);
         arrays[k] = malloc(sizes[k] + 1);
         *failed = arrays[k] == NULL;
     }
     if (!*failed) {
-        fuzzyc_draw(function, seed, block, n, widths, arrays);
-        *failed = fuzzyc_batches[function](n, widths, (const void *const *)arrays, arrays + shape->ins, at);
+        fuzzycharness_draw(function, seed, block, n, widths, arrays);
+        *failed = fuzzycharness_batches[function](n, widths, (const void *const *)arrays, arrays + shape->ins, at);
         for (k = shape->ins; k < many; ++k) {
             hash = hashed(hash, arrays[k], sizes[k]);
         }

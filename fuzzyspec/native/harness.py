@@ -1,8 +1,9 @@
 """The C that loops over a batch: part of the host build only, never of what is compiled for a target.
 
-Each function gets ``fuzzyc_batch_<i>(n, widths, in, out, at)`` over the arrays of its layout. A case gets a fresh input
-struct, an array that holds its own list's records and no more, and an output struct filled with a pattern, so that what
-a function leaves unset shows. ``*at`` is the case that is running: whoever finds the process dead reads it there.
+Each function gets ``fuzzycharness_batch_<i>(n, widths, in, out, at)`` over the arrays of its layout. A case gets a fresh
+input struct, an array that holds its own list's records and no more, and an output struct filled with a pattern, so
+that what a function leaves unset shows. ``*at`` is the case that is running: whoever finds the process dead reads it
+there.
 """
 
 from __future__ import annotations
@@ -15,25 +16,35 @@ from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.native.layout import Layout, layout_of, out_types, ports_of, states_of
 
 SIGNATURE = (
-    "int fuzzyc_batch_{index}(size_t n, const size_t *widths, const void *const *in, void *const *out, "
+    "int fuzzycharness_batch_{index}(size_t n, const size_t *widths, const void *const *in, void *const *out, "
     "volatile uint64_t *at)"
 )
-SELFTEST = "unsigned fuzzyc_selftest(void)"
+SELFTEST = "unsigned fuzzycharness_selftest(void)"
 
 
 def print_harness(program: Program) -> str:
     """The harness of every function of a program."""
     names = name_module(program)
     layouts = [layout_of(program, f, names) for f in program.functions]
-    lines = ["#include <stdlib.h>", "#include <string.h>", '#include "batches.h"', f'#include "{names.header}"', ""]
+    lines = [
+        "#include <stdlib.h>",
+        "#include <string.h>",
+        '#include "batches.h"',
+        f'#include "../product/{names.header}"',
+        "",
+    ]
     lines += [f"uint16_t {names.selftest}(void);", ""]
     for index, layout in enumerate(layouts):
         lines += _batch(index, layout, names.functions[layout.function])
     for index, (layout, function) in enumerate(zip(layouts, program.functions, strict=True)):
         lines += _shape(index, layout, function, program)
-    lines += [f"const size_t fuzzyc_functions = {len(layouts)};", "", "fuzzyc_batch *const fuzzyc_batches[] = {"]
-    lines += [f"    fuzzyc_batch_{i}," for i in range(len(layouts))]
-    lines += ["};", "", "const fuzzyc_shape fuzzyc_shapes[] = {"]
+    lines += [
+        f"const size_t fuzzycharness_functions = {len(layouts)};",
+        "",
+        "fuzzycharness_batch *const fuzzycharness_batches[] = {",
+    ]
+    lines += [f"    fuzzycharness_batch_{i}," for i in range(len(layouts))]
+    lines += ["};", "", "const fuzzycharness_shape fuzzycharness_shapes[] = {"]
     for index, layout in enumerate(layouts):
         ins, outs = len(layout.inputs) + len(layout.state), len(layout.outputs) + 1 + len(layout.state)
         lines += [f"    {{{ins}, {outs}, {len(layout.lists)}, slots_{index}, capacities_{index}}},"]
@@ -48,7 +59,7 @@ def _shape(index: int, layout: Layout, function: Function, program: Program) -> 
     capacities = [listed.capacity for listed in layout.lists]
     counts = {listed.count: k for k, listed in enumerate(layout.lists)}
     yield f"static const size_t capacities_{index}[] = {{{', '.join(str(c) for c in [*capacities, 0])}}};"
-    yield f"static const fuzzyc_slot slots_{index}[] = {{"
+    yield f"static const fuzzycharness_slot slots_{index}[] = {{"
     for k, slot in enumerate(layout.inputs):
         low, high = LIMITS[slot.ctype]
         lo, hi = (0, capacities[counts[k]]) if k in counts else legal[slot.key]

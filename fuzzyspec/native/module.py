@@ -18,12 +18,12 @@ from fuzzyspec.native.toolchain import Toolchain, find_toolchain, optimised, sha
 from fuzzyspec.native.workspace import Workspace
 
 _CDEF = """
-typedef int fuzzyc_batch(size_t, const size_t *, const void *const *, void *const *, volatile uint64_t *);
-extern fuzzyc_batch *const fuzzyc_batches[];
-unsigned fuzzyc_selftest(void);
-void fuzzyc_widths(size_t, uint64_t, size_t *);
-void fuzzyc_draw(size_t, uint64_t, uint64_t, size_t, const size_t *, void *const *);
-uint64_t fuzzyc_hash(size_t, uint64_t, uint64_t, size_t, volatile uint64_t *, int *);
+typedef int fuzzycharness_batch(size_t, const size_t *, const void *const *, void *const *, volatile uint64_t *);
+extern fuzzycharness_batch *const fuzzycharness_batches[];
+unsigned fuzzycharness_selftest(void);
+void fuzzycharness_widths(size_t, uint64_t, size_t *);
+void fuzzycharness_draw(size_t, uint64_t, uint64_t, size_t, const size_t *, void *const *);
+uint64_t fuzzycharness_hash(size_t, uint64_t, uint64_t, size_t, volatile uint64_t *, int *);
 """
 """What is called of ``batches.h``."""
 
@@ -72,7 +72,7 @@ class NativeModule:
         ins_c = ffi.new("const void *[]", [ffi.cast("const void *", a.ctypes.data) for a in packed.arrays] or 1)
         outs_c = ffi.new("void *[]", [ffi.cast("void *", a.ctypes.data) for a in outs])
         at = ffi.new("uint64_t *")
-        if self._library.fuzzyc_batches[index](packed.n, widths, ins_c, outs_c, at) != 0:
+        if self._library.fuzzycharness_batches[index](packed.n, widths, ins_c, outs_c, at) != 0:
             raise MemoryError("the batch ran out of memory")
         return unpack(layout, outs)
 
@@ -80,7 +80,7 @@ class NativeModule:
         """A hash of the results of each block of n cases that the build makes up; other builds make up the same."""
         index, _ = self._layouts[function]
         at, failed = self._ffi.new("uint64_t *"), self._ffi.new("int *")
-        found = [int(self._library.fuzzyc_hash(index, seed, block, n, at, failed)) for block in blocks]
+        found = [int(self._library.fuzzycharness_hash(index, seed, block, n, at, failed)) for block in blocks]
         if failed[0]:
             raise MemoryError("a block ran out of memory")
         return found
@@ -92,17 +92,17 @@ class NativeModule:
         index, layout = self._layouts[function]
         ffi = self._ffi
         widths = ffi.new("size_t[]", max(len(layout.lists), 1))
-        self._library.fuzzyc_widths(index, block, widths)
+        self._library.fuzzycharness_widths(index, block, widths)
         slots = layout.inputs + layout.state
         arrays = [np.zeros((n,) if s.list is None else (n, widths[s.list]), dtype=s.dtype) for s in slots]
         pointers = ffi.new("void *[]", [ffi.cast("void *", a.ctypes.data) for a in arrays])
-        self._library.fuzzyc_draw(index, seed, block, n, widths, pointers)
+        self._library.fuzzycharness_draw(index, seed, block, n, widths, pointers)
         wide = [(s.key, a.astype(np.int64)) for s, a in zip(slots, arrays, strict=True)]
         return dict(wide[: len(layout.inputs)]), dict(wide[len(layout.inputs) :])
 
     def selftest(self) -> int:
         """0, or 1 + the index of the first golden vector that differs."""
-        return int(self._library.fuzzyc_selftest())
+        return int(self._library.fuzzycharness_selftest())
 
     def close(self) -> None:
         """Unload the library; the object is of no use afterwards."""

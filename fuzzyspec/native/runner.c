@@ -79,7 +79,7 @@ static int hash_blocks(char **argv)
     int failed;
 
     for (block = strtoull(argv[2], NULL, 10); block < last; ++block) {
-        const uint64_t hash = fuzzyc_hash(function, seed, block, n, at, &failed);
+        const uint64_t hash = fuzzycharness_hash(function, seed, block, n, at, &failed);
         if (failed) {
             fail("out of memory");
         }
@@ -100,7 +100,7 @@ int main(int argc, char **argv)
         return 0;
     }
     if (argc == 2 && strcmp(argv[1], "--selftest") == 0) {
-        printf("%u\n", fuzzyc_selftest());
+        printf("%u\n", fuzzycharness_selftest());
         return 0;
     }
     if (argc == 8 && strcmp(argv[1], "--hash") == 0) {
@@ -118,7 +118,7 @@ int main(int argc, char **argv)
     lists = (size_t)word(file);
     ins = (size_t)word(file);
     outs = (size_t)word(file);
-    if (function >= fuzzyc_functions) {
+    if (function >= fuzzycharness_functions) {
         fail("no such function");
     }
     widths = take(lists * sizeof *widths);
@@ -137,7 +137,7 @@ int main(int argc, char **argv)
         }
     }
     fclose(file);
-    if (fuzzyc_batches[function](n, widths, (const void *const *)arrays, arrays + ins, progress(argv[3])) != 0) {
+    if (fuzzycharness_batches[function](n, widths, (const void *const *)arrays, arrays + ins, progress(argv[3])) != 0) {
         fail("out of memory");
     }
     file = fopen(argv[2], "wb");

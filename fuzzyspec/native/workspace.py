@@ -12,6 +12,8 @@ from fuzzyspec.fixed.program import Program
 from fuzzyspec.native.harness import print_harness
 from fuzzyspec.native.toolchain import Toolchain
 
+PRODUCT, HARNESS = "product", "harness"
+
 
 class Workspace:
     """A folder that vanishes with ``close`` (or at the end of ``with``).
@@ -23,21 +25,23 @@ class Workspace:
         self.program = program
         self._folder = tempfile.TemporaryDirectory(prefix="fuzzyc-")
         self.path = Path(self._folder.name).resolve()
+        # Apart, so that a module may have any name that its files can have.
+        (self.path / PRODUCT).mkdir()
+        (self.path / HARNESS).mkdir()
         for name, content in files.items():
-            (self.path / name).write_bytes(content)
+            (self.path / PRODUCT / name).write_bytes(content)
         self._write("harness.c", print_harness(program))
         for name in ("batches.h", "bulk.c", "runner.c"):
             self._write(name, resources.files("fuzzyspec.native").joinpath(name).read_text(encoding="utf-8"))
-        self.product = tuple(self.path / name for name in sorted(files) if name.endswith(".c"))
+        self.product = tuple(self.path / PRODUCT / name for name in sorted(files) if name.endswith(".c"))
 
     def _write(self, name: str, text: str) -> None:
-        (self.path / name).write_text(text, encoding="utf-8", newline="\n")
+        (self.path / HARNESS / name).write_text(text, encoding="utf-8", newline="\n")
 
     def build(self, toolchain: Toolchain, target: str, flags: tuple[str, ...], *, runner: bool) -> tuple[Path, str]:
         """Compile the C and its harness, with ``runner`` to a program of its own; the file made, and what was said."""
-        sources = [*self.product, self.path / "harness.c", self.path / "bulk.c"]
-        if runner:
-            sources.append(self.path / "runner.c")
+        needed = ["harness.c", "bulk.c", *(["runner.c"] if runner else [])]
+        sources = [*self.product, *(self.path / HARNESS / name for name in needed)]
         made = self.path / target
         return made, toolchain.build(sources, made, flags)
 

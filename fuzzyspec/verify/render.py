@@ -8,12 +8,15 @@ from typing import Any
 from fuzzyspec.verify.report import Example, Failure, FunctionFound, Report
 
 
-def as_text(report: Report) -> str:
-    """Several lines: what was built, a table for each function, failures with their smallest inputs, the verdict."""
-    return "\n".join(_lines(report))
+def as_text(report: Report, *, worst: bool = False) -> str:
+    """Several lines: what was built, a table for each function, failures with their smallest inputs, the verdict.
+
+    With ``worst`` also the input at which each output's error was largest.
+    """
+    return "\n".join(_lines(report, worst))
 
 
-def _lines(report: Report) -> Iterator[str]:
+def _lines(report: Report, worst: bool) -> Iterator[str]:
     strict = f"{report.compiler} -std=c99 -O2, strict warnings"
     checked = f"; again with {' and '.join(report.sanitizers)} sanitizers" if report.sanitizers else ""
     yield f"{report.module}: {strict}{checked}; seed {report.seed}"
@@ -22,6 +25,10 @@ def _lines(report: Report) -> Iterator[str]:
     for found in report.functions:
         yield ""
         yield from _function(found)
+        for output in found.outputs if worst else ():
+            if output.worst is not None:
+                yield f"  largest error of {output.output} at"
+                yield from (f"    {line}" for line in example_lines(output.worst))
     for note in report.notes:
         yield ""
         yield f"note: {note}"

@@ -55,11 +55,12 @@ def _size(subject: Subject, case: Batch, homes: Mapping[str, Raws]) -> tuple[int
     elements = sum(int(case.inputs[f"{p.name}.count"][0]) for p in subject.lists)
     odd = off = far = 0
     for key, home in homes.items():
+        zero = _zero(subject, key)
         for value in case.inputs[key].ravel():
-            distance = int(np.abs(home - value).min(initial=abs(int(value))))
-            odd += distance != 0 and value != 0
-            off += int(value != 0)
-            far += min(distance, abs(int(value)))
+            distance = int(np.abs(home - value).min(initial=abs(int(value) - zero)))
+            odd += distance != 0
+            off += int(value != zero)
+            far += distance
     for key, port in subject.state.items():
         distance = abs(int(case.state[key][0]) - port.initial)
         odd += distance != 0
@@ -76,7 +77,7 @@ def _with_simpler(subject: Subject, case: Batch, homes: Mapping[str, Raws]) -> I
     for key, home in homes.items():
         values = case.inputs[key]
         for index in np.ndindex(values.shape):
-            for value in _nearer(int(values[index]), home):
+            for value in _nearer(int(values[index]), home, _zero(subject, key)):
                 changed = values.copy()
                 changed[index] = value
                 yield Batch(case.kind, {**case.inputs, key: changed}, case.state)
@@ -104,9 +105,15 @@ def _fewer(case: Batch, name: str, fields: tuple[str, ...]) -> Iterator[Batch]:
         yield Batch(case.kind, {**case.inputs, f"{name}.count": np.array([smaller], dtype=np.int64)}, case.state)
 
 
-def _nearer(value: int, home: Raws) -> set[int]:
+def _zero(subject: Subject, key: str) -> int:
+    """The legal raw nearest to 0."""
+    port = subject.ports[key]
+    return max(port.lo, min(port.hi, 0))
+
+
+def _nearer(value: int, home: Raws, zero: int) -> set[int]:
     """0, every peak, and steps towards the nearest of them."""
     nearest = int(home[np.abs(home - value).argmin()]) if len(home) else 0
     towards = (value > nearest) - (value < nearest)
     steps = {value - towards * (abs(value - nearest) >> shift) for shift in range(1, 17)}
-    return ({0, *(int(h) for h in home)} | steps | {value - towards}) - {value}
+    return ({zero, *(int(h) for h in home)} | steps | {value - towards}) - {value}

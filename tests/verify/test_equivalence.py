@@ -49,6 +49,13 @@ def test_generated_c_is_verified(name: str) -> None:
                 assert output.largest_error <= output.bound
 
 
+@pytest.mark.parametrize("name", ["fuzzyc", "runner", "batches", "harness", "main", "input"])
+def test_modules_may_have_any_name(name: str) -> None:
+    """Nothing of the build gets in the way of a module's own files and symbols."""
+    loaded = api.load(verify_specs.DANGER.replace("module small", f"module {name}"))
+    assert loaded.verify(cases=100, sanitize=False).ok
+
+
 def test_small_input_spaces_are_tried_whole() -> None:
     """Two inputs of 8 bits are 65,536 cases, and then that is all of them."""
     found = spec("BYTES").verify().function("fan")

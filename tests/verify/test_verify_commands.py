@@ -36,6 +36,14 @@ def test_verify_prints_a_table_and_ends_with_0(small: Path, capsys: pytest.Captu
     assert err == ""
 
 
+def test_verify_shows_where_errors_are_largest(small: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With --worst, an input for each output."""
+    assert main(["verify", str(small), *FEW, "--no-sanitize", "--worst"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    at = lines.index("  largest error of ddc at")
+    assert [line.split()[0] for line in lines[at + 1 : at + 3]] == ["near", "gap"]
+
+
 def test_verify_gives_json(small: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The report as data, with the seed that was asked for."""
     assert main(["verify", str(small), *FEW, "--seed", "7", "--no-sanitize", "--format", "json"]) == 0
