@@ -1,6 +1,6 @@
 """The C that loops over a batch: part of the host build only, never of what is compiled for a target.
 
-Each function gets ``fuzzycharness_batch_<i>(n, widths, in, out, at)`` over the arrays of its layout. A case gets a fresh
+Each function gets ``fuzzycharness_batch_<i>(n, widths, in, out, at)`` over its layout's arrays. A case gets a fresh
 input struct, an array that holds its own list's records and no more, and an output struct filled with a pattern, so
 that what a function leaves unset shows. ``*at`` is the case that is running: whoever finds the process dead reads it
 there.
