@@ -27,6 +27,7 @@ from fuzzyspec.fixed.program import (
     Table,
 )
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
+from fuzzyspec.lower.even import EvenOutput, even_output
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.machine import Machine
 from fuzzyspec.lower.mean import Tail, mean_to_raw
@@ -79,6 +80,7 @@ def centroid(
     """
     forms = clipped_sets(output)
     scale = scale_of(forms)
+    even = even_output(output) if scale.exact else None
     name = output.name
     positive = [f for f in forms if f.sign > 0]
     negative = [f for f in forms if f.sign < 0]
@@ -92,7 +94,7 @@ def centroid(
         sums[part] = Local(scope.name(f"{name}_{part}"), "uint32", 0, build.UINT32_MAX)
         body.append(Define(sums[part], Const(0), False))
     for group in (*_groups(positive), *_groups(negative)):
-        steps, more, found = _group(group, levels, scale, sums, scope, name)
+        steps, more, found = _group(group, even, levels, scale, sums, scope, name)
         body += steps
         tables += more
         numbers += found
@@ -136,7 +138,13 @@ def _groups(forms: Sequence[ClippedSet]) -> list[_Group]:
 
 
 def _group(
-    group: _Group, levels: str, scale: Scale, sums: dict[str, Local], scope: Scope, name: str
+    group: _Group,
+    even: EvenOutput | None,
+    levels: str,
+    scale: Scale,
+    sums: dict[str, Local],
+    scope: Scope,
+    name: str,
 ) -> tuple[list[Stmt], list[Table], list[SetNumbers]]:
     form = group.first
     single = len(group.sets) == 1
@@ -155,15 +163,16 @@ def _group(
             Define(other, member(k), True),
             Branch(build.compare("<", other, height), (Assign(height, other),)),
         ]
-    found = evaluate(form, scale, height, scope, name)
+    unit, multiple = (form, 1) if even is None else even.unit_of(form)
+    found = evaluate(unit, scale, height, scope, name)
     inner, area, moment = list(found.steps), found.area, found.moment
     tables: list[Table] = []
     target, moment_target = ("area", "moment") if form.sign > 0 else ("overlap", "moment_off")
-    inner.append(_accumulate(sums[target], area))
+    inner.append(_accumulate(sums[target], build.mul(area, Const(multiple))))
     weights = [f.reference * scale.weight_denominator if scale.exact else f.reference * 2**16 for f in group.sets]
     integers = [math.floor(w + HALF) for w in weights]
     if any(integers):
-        weight = _weight(integers, counter, single, scope, name, tables)
+        weight = _weight([multiple * w for w in integers], counter, single, scope, name, tables)
         value = build.mul(area, weight) if scale.exact else build.mul_high(area, weight)
         inner.append(_accumulate(sums[moment_target], value))
     if moment is not None:
@@ -173,7 +182,7 @@ def _group(
     numbers = [
         SetNumbers(
             f,
-            found.area_error,
+            found.area_error * multiple,
             found.moment_error,
             float(abs(Fraction(w, scale.weight_denominator if scale.exact else 2**16) - f.reference)),
             0.0 if scale.exact or w in (0, 2**16) else float(1 / scale.area),

@@ -6,7 +6,7 @@ their middles. Terms that are not symmetric (the half triangles at the ends) sha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
@@ -30,6 +30,15 @@ class EvenOutput:
     multiples: tuple[int, ...]
     pair: ClippedSet | None
     turning: ClippedSet | None
+
+    def unit_of(self, form: ClippedSet) -> tuple[ClippedSet, int]:
+        """The set to evaluate in place of one of the output's, and how many times its area stands for that one's.
+
+        Every program for the output does this, so all of them compute the same integers.
+        """
+        if len(form.members) != 1 or form.moment_sign:
+            return form, 1
+        return replace(self.single, moment_sign=0), self.multiples[form.members[0]]
 
     @property
     def singles(self) -> tuple[ClippedSet, ...]:
@@ -61,6 +70,8 @@ def even_output(output: Output) -> EvenOutput | None:
             return None
         multiples.append(int(ratio))
     turning = [f for f in singles if f.moment_sign]
+    if any(multiples[f.members[0]] != 1 for f in turning):
+        return None
     if any(f.pieces[0].first != turning[0].pieces[0].first for f in turning):
         return None
     return EvenOutput(forms, single, tuple(multiples), pairs[0] if pairs else None, turning[0] if turning else None)

@@ -28,8 +28,8 @@ Means = tuple[CentroidBound | AverageBound, ...]
 class Options:
     """``bounds``: ``quick`` derives in well under a second, ``thorough`` looks at fifty times as many boxes.
 
-    ``optimize``: what the strategies are chosen for, ``target``: the machine. The C of every choice runs bit-exact on
-    every machine; most choices, not all, compute the same integers, and each has its own certificate.
+    ``optimize``: what the strategies are chosen for, ``target``: the machine. Every choice computes the same
+    integers, and its C runs bit-exact on every machine.
     """
 
     bounds: Literal["quick", "thorough"] = "quick"

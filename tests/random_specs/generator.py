@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import random
 
-from spec_controllers import Controllers
-from spec_numbers import DECLARED
-from spec_systems import Systems
+from tests.random_specs.spec_controllers import Controllers
+from tests.random_specs.spec_numbers import DECLARED
+from tests.random_specs.spec_systems import Systems
 
 
 def spec(seed: int) -> str:

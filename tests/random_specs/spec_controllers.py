@@ -7,8 +7,8 @@ import random
 from dataclasses import dataclass
 from fractions import Fraction
 
-from spec_numbers import Numbers, Ranged, number
-from spec_terms import Terms
+from tests.random_specs.spec_numbers import Numbers, Ranged, number
+from tests.random_specs.spec_terms import Terms
 
 NAMES = ("k", "at", "cell", "area", "degree", "t", "row", "strength", "level", "u")
 """Input names that the compiler may want for its own locals."""

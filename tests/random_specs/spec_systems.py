@@ -7,8 +7,8 @@ import random
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from spec_controllers import Written
-from spec_numbers import UNITS, Numbers, Ranged, coherent, number
+from tests.random_specs.spec_controllers import Written
+from tests.random_specs.spec_numbers import UNITS, Numbers, Ranged, coherent, number
 
 ZERO = Fraction(0)
 LARGEST = Fraction(10**6)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from fractions import Fraction
 
-from spec_numbers import Ranged, number
+from tests.random_specs.spec_numbers import Ranged, number
 
 
 class Terms:

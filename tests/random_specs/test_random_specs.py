@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from agreement import examine
-from generator import spec
 
 from fuzzyspec import SpecError, load
+from tests.random_specs.agreement import examine
+from tests.random_specs.generator import spec
 
 SHORT, LONG = range(24), range(24, 324)
 ABOVE_32_BITS = {"FZ450", "FZ451"}

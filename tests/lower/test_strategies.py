@@ -1,0 +1,76 @@
+"""Strategies are different programs with the same integers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fuzzyspec import load
+from fuzzyspec.fixed import run
+from fuzzyspec.fixed.program import Function, Program
+from fuzzyspec.fixed.run import initial_state
+from fuzzyspec.lower.controller import Goal, lower_controller
+from fuzzyspec.lower.machine import MACHINES, Target
+from fuzzyspec.lower.masks import applies as masks_apply
+from fuzzyspec.model.controller import Controller
+from tests.random_specs.generator import spec
+
+ROOT = Path(__file__).resolve().parents[2]
+CHOICES: tuple[tuple[Goal, Target], ...] = (("balanced", "generic"), ("speed", "cortex-m4"), ("speed", "avr"))
+
+
+def programs(controller: Controller) -> list[Function]:
+    """The loops first, then every other choice."""
+    choices: list[tuple[Goal, Target]] = [("size", "generic"), *CHOICES]
+    return [lower_controller(controller, goal, MACHINES[target])[0] for goal, target in choices]
+
+
+def same_integers(controller: Controller, cases: int) -> None:
+    """Run every choice over raws of the whole C type, ends and ties included, and compare all that comes out."""
+    random = np.random.default_rng(11)
+    inputs = {}
+    for item in controller.inputs:
+        raw = item.variable.raw
+        middle = np.array([raw.lo, raw.hi, (raw.lo + raw.hi) // 2])
+        inputs[item.name] = np.where(
+            random.random(cases) < 0.3, random.choice(middle, cases), random.integers(raw.lo, raw.hi + 1, cases)
+        )
+    results = []
+    for function in programs(controller):
+        program = Program("choice", (function,))
+        state = {k: np.full(cases, v) for k, v in initial_state(program, function).items()}
+        results.append(run(program, controller.name, inputs, state, record=True, checked=True))
+    for other in results[1:]:
+        for name, raws in results[0].outputs.items():
+            assert np.array_equal(other.outputs[name], raws), name
+        assert np.array_equal(other.status, results[0].status)
+        for key, decided in results[0].decisions.items():
+            assert np.array_equal(other.decisions[key], decided), key
+
+
+@pytest.mark.parametrize(
+    "path", sorted((*ROOT.glob("examples/*.fz"), *ROOT.glob("benchmarks/*.fz"))), ids=lambda p: p.stem
+)
+def test_every_choice_computes_the_same_integers(path: Path) -> None:
+    """Loops, minors and masks give equal outputs, status and decisions on the examples and the workloads."""
+    for controller in load(path).module.controllers:
+        same_integers(controller, 4000)
+
+
+@pytest.mark.parametrize("seed", range(700, 712))
+def test_every_choice_computes_the_same_integers_on_random_specs(seed: int, tmp_path: Path) -> None:
+    """The same over random controllers of every kind."""
+    path = tmp_path / "random.fz"
+    path.write_text(spec(seed))
+    for controller in load(path).module.controllers:
+        same_integers(controller, 600)
+
+
+def test_the_choices_differ() -> None:
+    """W3 is really computed by masks on a roomy machine and by loops for size: the programs are not one."""
+    (controller,) = load(ROOT / "benchmarks" / "w3.fz").module.controllers
+    assert masks_apply(controller, MACHINES["cortex-m4"]) is not None
+    found = programs(controller)
+    assert len({f.body for f in found}) == 3  # neither generic nor AVR divide or have registers to spare
