@@ -85,6 +85,9 @@ CODES: tuple[Code, ...] = (
         before.
 
             let half = (a + b)) / 2
+
+        A `}` too many inside a block closes it too early: what follows then stands outside. In a file that has
+        more closing braces than opening ones, that brace is the one pointed at.
         """,
     ),
     _code(

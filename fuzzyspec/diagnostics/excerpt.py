@@ -60,6 +60,9 @@ def excerpt(source: Source, marks: list[Mark], paint: Paint, style: str) -> tupl
     return width, lines
 
 
+_TURNS = frozenset({"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"})
+
+
 def columns(char: str) -> int:
     """Columns that a character takes on a terminal."""
     if unicodedata.combining(char) or unicodedata.category(char) in ("Cf", "Mn", "Me"):
@@ -68,7 +71,10 @@ def columns(char: str) -> int:
 
 
 def display(line: str) -> str:
-    """A line as it is shown: tabs as spaces, control characters by a stand-in of the same width."""
+    """A line as it is shown: tabs as spaces, control characters by a stand-in of the same width.
+
+    What would turn the direction of the text around is left out: carets could not stand under it.
+    """
     shown: list[str] = []
     at = 0
     for char in line:
@@ -76,6 +82,8 @@ def display(line: str) -> str:
             shown.append(" " * (_TAB - at % _TAB))
             at += _TAB - at % _TAB
         else:
+            if unicodedata.bidirectional(char) in _TURNS:
+                continue
             char = char if char.isprintable() or not columns(char) else "\N{REPLACEMENT CHARACTER}"
             shown.append(char)
             at += columns(char)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
-from fuzzyspec.syntax import wording
+from fuzzyspec.syntax import habits, wording
+from fuzzyspec.syntax.edit import Edit
 from fuzzyspec.syntax.findings import unclosed, unexpected
 from fuzzyspec.syntax.machine import CLOSERS, Cell, advance, made, opened, terminal, viable
 from fuzzyspec.syntax.reading import (
@@ -47,21 +48,12 @@ _HINTS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Edit:
-    """``tokens[at : at + drop]`` becomes ``insert``; ``swaps`` replaces single tokens further on."""
-
-    at: int
-    diagnostic: Diagnostic
-    cost: float
-    insert: tuple[Token, ...] = ()
-    drop: int = 0
-    swaps: dict[int, Token] = field(default_factory=dict)
-
-
 def candidates(reading: Reading, index: int) -> Iterator[Edit]:
     """Every edit worth trying for the token at ``index``, which does not fit."""
     yield from _misspelt(reading, index)
+    yield from habits.foreign_word(reading, index)
+    yield from habits.decimal_comma(reading, index)
+    yield from habits.brace_too_many(reading, index)
     yield from _closed(reading, index)
     yield from _inserted(reading, index)
     yield from _replaced(reading, index)

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Source, Span
 from fuzzyspec.syntax import wording
+from fuzzyspec.syntax.hints import hint
 from fuzzyspec.syntax.machine import CLOSERS, Cell, advance, opened, viable
 from fuzzyspec.syntax.reading import BEGINS, OPENERS, Reading, gap, indent, place, stack_at
 from fuzzyspec.syntax.tokens import END, Token
-
-_CHOICE = "a choice reads `a if TEST else b`"
-
 
 HOMES = {
     "MODULE": "`module NAME` stands once, at the top of the file",
@@ -53,7 +51,7 @@ def unexpected(reading: Reading, at: int) -> Diagnostic:
         f"expected {wording.wanted(reading.table, cell)}, found {wording.found(token, reading.table)}",
         where,
         "not expected here" if where == token.span and token.kind != END else "something is missing here",
-        help=_hint(reading, at),
+        help=hint(reading, at),
     )
 
 
@@ -109,77 +107,4 @@ def _suspect(source: Source, tokens: list[Token], at: int, bracket: Cell) -> tup
             opener = stack.pop()
             if token.first and indent(source, opener.start) != indent(source, token.start):
                 return opener, token
-    return None
-
-
-def _hint(reading: Reading, at: int) -> str | None:
-    """What was probably meant, where that can be guessed from a few words."""
-    token = reading.tokens[at]
-    cell = stack_at(reading, at)
-    before = reading.tokens[at - 1] if at else None
-    block = wording.block(opened(cell))
-    match cell.symbol, token.kind, token.text:
-        case _, "NUMBER" | "COMMA", _ if three := decimal_comma(reading.tokens, at):
-            return three
-        case _, _, "where":
-            return "a condition in a fold begins with `if`"
-        case _, "WORD", "if" | "then" | "else" if block in ("in a system", "in a `for each`"):
-            return _CHOICE
-        case _, _, "+":
-            return "numbers have no plus sign"
-        case "IN", "NUMBER" | "MINUS", _:
-            return "a range has both ends in square brackets: `[0, 1]`"
-        case _, "COMMA", _ if block == "in a table":
-            return "several labels stand in parentheses, `(S, S):`; an entry's outputs are separated by `/`"
-        case _, _, "=" if block == "in a table":
-            return "a row reads `LABEL: TERM`"
-        case _, "RBRACE", _ if block == "in a table":
-            return "a table has at least one row: a label with its colon, then the terms"
-        case _, "SLASH" | "STAR", _ if before is not None and before.kind == "UNIT":
-            return "a unit is written without spaces: `m/s`"
-        case "LPAR", _, _ if cell.below is not None and cell.below.symbol == "POINTS":
-            return "the points are pairs: `points((0, 0), (5, 1), (10, 0))`"
-        case _, "COMMA", _ if _in_pair(cell) and block == "in the terms of a variable":
-            return "only `points` takes pairs: `points((0, 0), (5, 1))`"
-        case _, "COMMA", _ if block == "in the terms of a variable" and "FULL" in viable(reading.table, cell):
-            return "the terms of an even partition have no commas between them; placed ones have: `A at 0, B at 2`"
-        case _ if "DOTS" in viable(reading.table, cell):
-            return "counts have both ends: `raw uint16 0..4095`; a step is written `raw int16 step 0.01`"
-        case symbol, "NUMBER", _ if symbol in _NAMES:
-            return "a name begins with a letter"
-        case _, "DOT", _ if block in ("in a system", "in a `for each`"):
-            return "a name has one dot at most: give the part a name by `let`"
-        case _:
-            return None
-
-
-def _in_pair(cell: Cell) -> bool:
-    """Whether the innermost two brackets are parentheses within parentheses."""
-    return [c.symbol for c in opened(cell)[:2]] == ["LPAR", "LPAR"]
-
-
-_NAMES = frozenset(
-    {
-        "MODULE",
-        "CONTROLLER",
-        "SYSTEM",
-        "INPUT",
-        "OUTPUT",
-        "TERM",
-        "PARTITION",
-        "BEHAVIOR",
-        "TABLE",
-        "PARAM",
-        "LET",
-        "IS",
-    }
-)
-
-
-def decimal_comma(tokens: list[Token], at: int) -> str | None:
-    """Three tokens ``1,5`` without a space are likely a number with a comma."""
-    for i in range(max(0, at - 2), at + 1):
-        three = tokens[i : i + 3]
-        if [t.kind for t in three] == ["NUMBER", "COMMA", "NUMBER"] and three[0].end + 1 == three[2].start:
-            return f"a decimal point is a dot: `{three[0].text}.{three[2].text}`"
     return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from fuzzyspec.diagnostics.diagnostic import Source, Span
-from fuzzyspec.syntax.machine import CLOSERS, Cell, terminal
+from fuzzyspec.syntax.machine import CLOSERS, Cell, terminal, viable
 from fuzzyspec.syntax.table import Table
 from fuzzyspec.syntax.tokens import END, Token
 
@@ -50,11 +50,21 @@ def keywords_as_names(reading: Reading, index: int) -> list[int]:
 
 
 def place(reading: Reading, at: int) -> Span:
-    """Where to point for a token that does not fit: at it, or behind the last word if it stands on a later line."""
+    """Where to point for a token that does not fit: at it, or behind the last word if it stands on a later line.
+
+    Nothing is missing behind the last word where an item could begin or end: there it is the token that is odd.
+    """
     token = reading.tokens[at]
-    if at and (token.first or token.kind == END):
+    if token.kind == END or (token.first and not _at_item(reading, at)):
         return gap(reading, at)
     return token.span
+
+
+def _at_item(reading: Reading, at: int) -> bool:
+    """Whether what stands before a token is whole, or a block has just begun."""
+    cell = stack_at(reading, at)
+    just_begun = cell.symbol == "LBRACE" and reading.tokens[at].kind not in OPENERS
+    return at == 0 or just_begun or bool(viable(reading.table, cell) & (BEGINS | {"RBRACE"}))
 
 
 def gap(reading: Reading, at: int) -> Span:

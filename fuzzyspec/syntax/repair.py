@@ -6,7 +6,8 @@ furthest for the least change is taken, so the rest of the file is still read, a
 
 from __future__ import annotations
 
-from fuzzyspec.syntax.edits import Edit, candidates
+from fuzzyspec.syntax.edit import Edit
+from fuzzyspec.syntax.edits import candidates
 from fuzzyspec.syntax.machine import Cell, advance, terminal
 from fuzzyspec.syntax.reading import BEGINS, Reading, stack_at
 from fuzzyspec.syntax.tokens import END, Token

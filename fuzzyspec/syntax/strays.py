@@ -8,6 +8,7 @@ import unicodedata
 from typing import NamedTuple
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
+from fuzzyspec.syntax import letters
 
 
 class Stray(NamedTuple):
@@ -25,7 +26,6 @@ _MEANT = {
     "≤": "<=", "≥": ">=", "≠": "!=",
     "−": "-", "–": "-", "—": "-", "‐": "-", "‑": "-",
     "×": "*", "·": "*", "⋅": "*", "÷": "/", "∕": "/", "…": "..",
-    "，": ",", "：": ":", "（": "(", "）": ")",
     "°": "deg", "℃": "degC", "″": "", "′": "",
 }  # fmt: skip
 
@@ -86,11 +86,14 @@ def find(text: str, at: int, after_number: bool) -> Stray:
             "there is no power operator `^`",
             "write a product: `x * x`; `^` stands in units: `m/s^2`",
         )
+    if ours := letters.mark(text[at]):
+        return Stray(at + 1, f"`{text[at]}` is not spelt so", f"write `{ours}`", ours)
     end = at + 1
     while end < len(text) and _unknown(text[end]):
         end += 1
-    what = "an unknown character" if end == at + 1 else "unknown characters"
-    return Stray(end, f"{what} {_printable(text[at:end])}", None)
+    if end == at + 1:
+        return Stray(end, *letters.told(text[at]))
+    return Stray(end, f"unknown characters {_printable(text[at:end])}", "take them out")
 
 
 def _unknown(char: str) -> bool:
@@ -103,7 +106,8 @@ def _line_end(text: str, at: int) -> int:
 
 
 def _name(char: str) -> str:
-    return unicodedata.name(char, f"character U+{ord(char):04X}").lower()
+    name = unicodedata.name(char, "")
+    return name.lower() if name else f"character U+{ord(char):04X}"
 
 
 def _printable(text: str) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source, Span
-from fuzzyspec.syntax import strays
+from fuzzyspec.syntax import letters, strays
 from fuzzyspec.syntax.table import load
 
 MAX_DIGITS = 40
@@ -51,7 +51,7 @@ _ODD_NUMBER = re.compile(
     r"|[0-9]+\.(?![.0-9])"
     r"|\.[0-9]+"
 )
-_WORD = re.compile(r"[^\W\d]\w*")
+_FOREIGN_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 _COLON = re.compile(r"[ \t]*:(?!=)")
 _FACTOR = r"(?:[A-Za-z_][A-Za-z0-9_]*|%)(?:\^-?[0-9]+)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*")
@@ -113,8 +113,8 @@ class _Scanner:
     def _token(self, text: str, at: int) -> int:
         """Takes one token at ``at``; returns where it ends."""
         char = text[at]
-        if char.isascii() and char.isdigit():
-            return self._number(text, at)
+        if char.isdecimal():
+            return self._number(text, at) if char.isascii() else self._foreign_number(text, at)
         if char == "." and (odd := _ODD_NUMBER.match(text, at)) and text[at - 1 : at] != ".":
             return self._odd_number(odd)
         if char.isidentifier() or char == "%":
@@ -131,6 +131,15 @@ class _Scanner:
         number = _NUMBER.match(text, at)
         assert number is not None
         return self._bounded_number(number.group(), at, number.end())
+
+    def _foreign_number(self, text: str, at: int) -> int:
+        """A number in digits of another script."""
+        odd = _FOREIGN_NUMBER.match(text, at)
+        assert odd is not None
+        digits = letters.digits(odd.group())
+        help_ = f"write `{_shown(digits)}`"
+        self.found.append(Diagnostic("FZ108", "digits of another script", Span(*odd.span()), help=help_))
+        return self._bounded_number(digits, at, odd.end())
 
     def _odd_number(self, odd: re.Match[str]) -> int:
         digits, help_ = strays.mend_number(odd.group(), MAX_DIGITS)
@@ -157,7 +166,7 @@ class _Scanner:
 
     def _word(self, text: str, at: int) -> int:
         after_number = bool(self.tokens) and self.tokens[-1].kind in ("NUMBER", "RSQB")
-        word = _WORD.match(text, at)
+        word = letters.WORD.match(text, at)
         if after_number and (word is None or word.group() not in self.keywords):
             return self._unit(text, at)
         if word is None:
@@ -165,7 +174,7 @@ class _Scanner:
         name, end = word.group(), word.end()
         if not name.isascii():
             self._tell_once(_odd_name(name, Span(at, end)))
-            name = "".join(c if c.isascii() else "x" for c in name)
+            name = letters.plain(name)
         name = name[:MAX_NAME]
         colon = _COLON.match(text, end)
         if colon:
@@ -174,7 +183,7 @@ class _Scanner:
 
     def _unit(self, text: str, at: int) -> int:
         unit = _UNIT.match(text, at)
-        word = _WORD.match(text, at)
+        word = letters.WORD.match(text, at)
         if word is not None and (unit is None or word.end() > unit.end()):
             span = Span(at, word.end())
             self.found.append(strays.odd_unit(word.group(), span))
@@ -216,11 +225,15 @@ def unit_behind(tokens: list[Token], at: int, text: str) -> None:
 
 
 def _odd_name(name: str, span: Span) -> Diagnostic:
+    if hidden := letters.invisible(name):
+        message = f"`{_shown(name)}` holds an invisible character"
+        return Diagnostic("FZ115", message, span, help=f"delete U+{ord(hidden):04X}, or type the name again")
+    write = f"write `{_shown(letters.plain(name))}`; " if letters.guessed(name) else ""
     return Diagnostic(
         "FZ115",
         f"`{_shown(name)}` holds letters that a name cannot have",
         span,
-        help="names become C names: letters a to z and A to Z, digits and `_`",
+        help=f"{write}names become C names: letters a to z and A to Z, digits and `_`",
     )
 
 
