@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -60,11 +61,7 @@ def divide(
     if x.error or y.error or numerator_off or divisor_off:
         spread = hi - lo
         worst = x.error + max(abs(lo), abs(hi)) * y.error + numerator_off + divisor_off
-        nearest = y.lo
-        if y.lo == 0 and not x.error and not y.error and numerator_off < x.least:
-            # Over 0 an exact numerator keeps its sign; above it an exact divisor is a step away.
-            nearest = y.least
-        nearest -= divisor_off / spread
+        nearest = y.lo - divisor_off / spread
         error += min(spread, worst / nearest) if nearest > 0 else spread
         if 4 * error > spread:
             cause = f"{name}: its divisor comes near 0 while its operands carry an error"
@@ -80,13 +77,26 @@ def zero_over_zero(arithmetic: Arithmetic, x: Scaled, y: Scaled, name: str) -> t
 
 
 def settle(arithmetic: Arithmetic, test: Test, quotient: Scaled, fallback: Scaled, name: str) -> Scaled:
-    """The fallback where the test holds, in the quotient's format."""
-    other = arithmetic.rounded(fallback, quotient.step, quotient.offset, name)
-    if isinstance(other.expr, Const):
-        other = replace(other, expr=Const(max(0, min(QUOTIENT_ONE, other.expr.value))))
-        value = other.offset + other.step * other.expr.lo
-        other = replace(other, error=fallback.error + abs(value - fallback.lo))
-    expr = build.select(test, other.expr, quotient.expr)
+    """The fallback where the test holds, in the quotient's format.
+
+    The place that the quotient goes straight into saturates the fallback too: what lies beyond the quotient's range is
+    taken to its end, which is no error.
+    """
+    half = quotient.step / 2
+    inside = _within(arithmetic, fallback, quotient.offset - half, quotient.offset + QUOTIENT_ONE * quotient.step, name)
+    other = arithmetic.restep(
+        arithmetic.rounded(inside, quotient.step, quotient.offset, name), quotient.step, quotient.offset
+    )
+    settled = arithmetic.bind(build.greatest(arithmetic.bind(other.expr, name), Const(0)), name)
+    settled = build.least(settled, Const(QUOTIENT_ONE))
+    expr = build.select(test, settled, quotient.expr)
     return Scaled(
         arithmetic.bind(expr, name), quotient.step, quotient.offset, max(quotient.error, other.error), quotient.cause
     )
+
+
+def _within(arithmetic: Arithmetic, value: Scaled, lo: Fraction, hi: Fraction, name: str) -> Scaled:
+    """A value taken to the nearest of its own steps around ``lo .. hi``, where it leaves that."""
+    ends = sorted(((lo - value.offset) / value.step, (hi - value.offset) / value.step))
+    i = build.greatest(arithmetic.bind(value.expr, name), Const(math.floor(ends[0])))
+    return replace(value, expr=build.least(arithmetic.bind(i, name), Const(math.ceil(ends[1]))))

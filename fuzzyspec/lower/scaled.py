@@ -44,12 +44,6 @@ class Scaled:
     def hi(self) -> Fraction:
         return self.offset + max(self.step * self.expr.lo, self.step * self.expr.hi)
 
-    @property
-    def least(self) -> Fraction:
-        """The smallest positive size that the value can have: it is a multiple of the step from the offset."""
-        off = self.offset % abs(self.step)
-        return min(off, abs(self.step) - off) or abs(self.step)
-
 
 def constant(value: Fraction) -> Scaled:
     """A value known when compiling."""
