@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fuzzyspec.cli.spec import spec_path
@@ -34,6 +35,11 @@ def register(subparsers: Any) -> None:
         "--opt", action="append", choices=("O2", "Os"), help="build with this option; may be repeated (default: both)"
     )
     parser.add_argument(
+        "--optimize",
+        choices=("speed", "balanced", "size"),
+        help="what fuzzyc chooses its strategies for (default: speed for O2, size for Os)",
+    )
+    parser.add_argument(
         "--inputs", metavar="N", type=_positive, default=1000, help="inputs to try, of a fixed sequence (default: 1000)"
     )
     parser.add_argument("--only", metavar="NAME", action="append", default=[], help="measure this controller or system")
@@ -44,11 +50,15 @@ def register(subparsers: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Measure, print, 0 or 1."""
+    from functools import cache
+
     from fuzzyspec import api
     from fuzzyspec.cli import terminal
     from fuzzyspec.cli.progress import Bar
     from fuzzyspec.cost import OPTIMISATIONS, Conditions, EmulationError, as_json, as_text, measure
     from fuzzyspec.diagnostics.refusal import Refusal
+    from fuzzyspec.lower import Options
+    from fuzzyspec.lower.controller import Goal
     from fuzzyspec.native import BuildError
 
     spec = api.load(arguments.file)
@@ -59,10 +69,16 @@ def run(arguments: argparse.Namespace) -> int:
     compilers, missing = _compilers(arguments.target, arguments.compiler)
     options = tuple(o for o in OPTIMISATIONS if o in (arguments.opt or OPTIMISATIONS))
     conditions = Conditions(compilers, options, arguments.inputs, tuple(arguments.only))
+
+    @cache
+    def files(target: Any, option: str) -> Mapping[str, bytes]:
+        goal: Goal = arguments.optimize or ("size" if option == "Os" else "speed")
+        return spec.compile(Options(optimize=goal, target=target)).files
+
     try:
         with Bar() as bar:
             progress = bar.show if sys.stderr.isatty() else None
-            measured = measure(spec.lowered.program, spec.compile().files, conditions, progress)
+            measured = measure(spec.lowered.program, files, conditions, progress)
     except BuildError as error:
         terminal.complain(f"{error}\n{error.output}")
         return 1

@@ -86,11 +86,12 @@ class _Cases:
 
 def measure(
     program: Program,
-    files: Mapping[str, bytes],
+    files: Callable[[str, str], Mapping[str, bytes]],
     conditions: Conditions,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Measured:
-    """Build, emulate and compare. ``progress`` is called with builds done, builds planned and the target's name.
+    """Build, emulate and compare. ``files`` gives the C for a target's name and a compiler's option: all of them must
+    compute what ``program`` does. ``progress`` is called with builds done, builds planned and the target's name.
 
     Raises MissingTool, BuildError where a compiler rejects the C, EmulationError where the built code faults.
     """
@@ -102,7 +103,7 @@ def measure(
     for done, (compiler, option) in enumerate(builds):
         if progress is not None:
             progress(done, len(builds), compiler.target.name)
-        with Image(program, files, compiler, option) as image:
+        with Image(program, files(compiler.target.name, option), compiler, option) as image:
             for record, mismatch in _measure_image(image, [f.name for f in functions], cases):
                 records.append(record)
                 mismatches += [] if mismatch is None else [mismatch]

@@ -25,7 +25,7 @@ BUILDS: list[tuple[str, Kind | None]] = [
 def record_of(target: str, body: str, kind: Kind | None = None, inputs: int = 3) -> Record:
     """The cost of a stand-in for PLAIN's controller."""
     conditions = Conditions((compiler_for(target, kind),), ("O2",), inputs)
-    (record,) = measure(load(PLAIN).lowered.program, stand_in(body), conditions).records
+    (record,) = measure(load(PLAIN).lowered.program, lambda *_: stand_in(body), conditions).records
     return record
 
 
@@ -34,7 +34,7 @@ def test_lists_states_and_nested_calls_come_out_as_the_integer_program_says(targ
     """A system with a list and a state, on every target: bit for bit, no static RAM, and a stack."""
     spec = load(KEEPING)
     conditions = Conditions((compiler_for(target, kind),), ("Os",), 100)
-    measured = measure(spec.lowered.program, spec.compile().files, conditions)
+    measured = measure(spec.lowered.program, lambda *_: spec.compile().files, conditions)
     assert measured.mismatches == ()
     assert [(r.target, r.option, r.function) for r in measured.records] == [
         (target, "Os", "hold"),
@@ -125,7 +125,7 @@ def test_a_wrong_output_is_reported_with_its_inputs(target: str) -> None:
     """C that computes something else does not pass: the first case that differs is named."""
     program = load(PLAIN).lowered.program
     conditions = Conditions((compiler_for(target),), ("O2",), 20)
-    measured = measure(program, stand_in("out->z = 7U; return 0U;"), conditions)
+    measured = measure(program, lambda *_: stand_in("out->z = 7U; return 0U;"), conditions)
     (mismatch,) = measured.mismatches
     assert measured.records[0].matches is False
     assert (mismatch.target, mismatch.what, mismatch.got) == (target, "output z", 7)
