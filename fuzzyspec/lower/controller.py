@@ -38,6 +38,8 @@ from fuzzyspec.lower.masks import Means, fire_masks
 from fuzzyspec.lower.masks import applies as masks_apply
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.minors import fire_minors
+from fuzzyspec.lower.multilinear import MultilinearNumbers, interpolate
+from fuzzyspec.lower.multilinear import applies as multilinear_applies
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Controller, Output
 from fuzzyspec.model.variable import Variable
@@ -58,7 +60,7 @@ class ControllerNumbers:
     degree_errors: tuple[Fraction, ...]
     cell_error: Fraction
     sentence_errors: tuple[Fraction, ...]
-    outputs: tuple[CentroidNumbers | AverageNumbers, ...]
+    outputs: tuple[CentroidNumbers | AverageNumbers | MultilinearNumbers, ...]
     fires_at: Fraction
     level_step: Fraction
 
@@ -96,7 +98,8 @@ def lower_controller(
     status: list[StatusBit] = []
     degrees = []
     evens = None if optimize == "size" else masks_apply(controller, machine)
-    bare = optimize != "size" and minors_apply(controller)
+    linear = multilinear_applies(controller)
+    bare = linear or (optimize != "size" and minors_apply(controller))
     for item in controller.inputs:
         variable = item.variable
         low, high = build.LIMITS[variable.raw.ctype]
@@ -110,22 +113,26 @@ def lower_controller(
         steps, found = fuzzify(item, raw, scope, bool(controller.sentences), bare)
         body += steps
         degrees.append(found)
-    means: Means | None = None
+    means: Means | list[tuple[list[Stmt], Expr, MultilinearNumbers]] | None = None
     if evens is not None and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
         means = fire_masks(controller, controller.cells, evens, degrees, firing, machine, scope)
+    elif linear and controller.cells is not None:
+        firing = Firing([], DEGREE_BITS, DEGREE_ONE)
+        means, more = interpolate(controller, controller.cells, degrees, optimize == "size", firing.body, scope)
+        firing.tables += more
     else:
         firing = fire(controller, degrees, scope, fire_minors if bare else None)
     body += firing.body
     threshold = max(1, math.floor(controller.fires_at * firing.one + Fraction(1, 2)))
     body += _acting(controller, firing, threshold)
     tables = list(firing.tables)
-    numbers: list[CentroidNumbers | AverageNumbers] = []
+    numbers: list[CentroidNumbers | AverageNumbers | MultilinearNumbers] = []
     state: list[StatePort] = []
     for o, output in enumerate(controller.outputs):
         if means is not None:
-            steps, raw, found_numbers = means[o]
-            numbers.append(found_numbers)
+            steps, raw, mean_numbers = means[o]
+            numbers.append(mean_numbers)
         elif controller.infer.defuzzify == "centroid":
             steps, raw, more, found_numbers = centroid(output, firing.levels[o], machine, scope)
             tables += more

@@ -18,6 +18,7 @@ from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound, Parts
 from fuzzyspec.lower.bounds.strengths import Boxes, Strengths
 from fuzzyspec.lower.centroid import CentroidNumbers
 from fuzzyspec.lower.controller import ControllerNumbers
+from fuzzyspec.lower.multilinear import MultilinearNumbers
 
 CLOSE_ENOUGH = 1.05
 """Stop where the bound is within this factor of the lemma's own value at a single point."""
@@ -49,6 +50,7 @@ def means(numbers: ControllerNumbers) -> tuple[CentroidBound | AverageBound, ...
     return tuple(
         CentroidBound(o, n, fires) if isinstance(n, CentroidNumbers) else AverageBound(o, n, fires)
         for o, n in zip(numbers.controller.outputs, numbers.outputs, strict=True)
+        if not isinstance(n, MultilinearNumbers)
     )
 
 
@@ -68,6 +70,8 @@ def bound_controller(
         for e, i in zip(input_errors, controller.inputs, strict=True)
     )
     strengths = Strengths(numbers, relative)
+    if any(isinstance(n, MultilinearNumbers) for n in numbers.outputs):
+        return _multilinear(numbers, strengths)
     outputs = list(means(numbers)) if prepared is None else list(prepared)
     search = _Search(strengths, outputs, effort)
     worst, parts = search.run()
@@ -86,6 +90,25 @@ def bound_controller(
         reasons[output.name] = (
             _reason(parts[o]) if bound < 1 else search.failure or _why_none(controller.outputs[o].name)
         )
+    return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths))
+
+
+def _multilinear(numbers: ControllerNumbers, strengths: Strengths) -> ControllerBounds:
+    """Lemma "multilinear": an interpolation moves along an input by at most its edge times the degree's error."""
+    controller = numbers.controller
+    whole = Boxes(np.zeros((1, len(controller.inputs))), np.ones((1, len(controller.inputs))))
+    off = [Fraction(max(float(b.off.max()) for b in row)) for row in strengths.degrees(whole)]
+    errors: dict[str, Fraction] = {}
+    reasons: dict[str, str] = {}
+    certified: dict[str, bool] = {}
+    for output, found in zip(controller.outputs, numbers.outputs, strict=True):
+        assert isinstance(found, MultilinearNumbers)
+        span = output.variable.hi - output.variable.lo
+        moved = sum((e * d for e, d in zip(found.edges, off, strict=True)), Fraction(0))
+        rounded = found.rounding * abs(output.variable.raw.step) / span
+        errors[output.name] = min(moved + rounded, Fraction(1)) * span
+        reasons[output.name] = _reason((float(moved), float(rounded), 0.0))
+        certified[output.name] = moved + rounded < 1
     return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths))
 
 
