@@ -50,7 +50,8 @@ def place(arithmetic: Arithmetic, value: Scaled, variable: Variable, name: str) 
         nearest = max(0, min(counts, math.floor(alpha + beta * i.lo - raw.lo + Fraction(1, 2))))
         inside = max(ends[0], min(ends[1], alpha + beta * i.lo))
         error = max(abs(nearest + raw.lo - inside) + carried, sliver)
-        return Placed(Const(raw.lo + nearest), error * abs(raw.step), value.cause, [])
+        outside = _outside(i, value, variable)
+        return Placed(Const(raw.lo + nearest), error * abs(raw.step), value.cause, outside)
     if beta > 0:
         u: Expr = build.sub(i, Const(i.lo))
         p0 = alpha + beta * i.lo - raw.lo
@@ -96,6 +97,8 @@ def _outside(i: Expr, value: Scaled, variable: Variable) -> list[Test]:
     lo, hi = (variable.unit.to_coherent(v) for v in (variable.lo, variable.hi))
     bounds = sorted(((lo - value.offset) / value.step, (hi - value.offset) / value.step))
     below, beyond = math.ceil(bounds[0]), math.floor(bounds[1])
+    if i.hi < below or beyond < i.lo:
+        return [build.compare("<=", Const(0), Const(0))]
     if i.lo < below <= i.hi:
         tests.append(build.compare("<", i, Const(below)))
     if i.lo <= beyond < i.hi:
