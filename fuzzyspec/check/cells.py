@@ -164,11 +164,14 @@ def _first(mask: Bools) -> tuple[int, ...]:
 
 def _report_meeting(started: dict[int, Bools], winner: Ints, behaviors: tuple[Behavior, ...], names: RuleNames) -> None:
     for code, behavior in enumerate(behaviors, start=1):
-        for other_code, other in enumerate(behaviors[: code - 1], start=1):
-            if behavior.priority is None or behavior.priority != other.priority:
-                continue
-            # Where a higher priority takes the cell, it does not matter that these two meet.
-            met = started[code] & started[other_code] & (winner >= _first_of_priority(behavior, behaviors))
+        first = _first_of_priority(behavior, behaviors)
+        if behavior.priority is None or first == code:
+            continue
+        # Where a higher priority takes the cell, it does not matter that these two meet.
+        own = started[code] & (winner >= first)
+        for other_code in range(first, code):
+            other = behaviors[other_code - 1]
+            met = started[other_code] & own
             if met.any():
                 cell = describe_cell(_first(met), names.inputs)
                 names.tell(

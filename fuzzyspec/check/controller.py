@@ -13,10 +13,11 @@ from fuzzyspec.check.names import Names, check_identifier, check_reserved
 from fuzzyspec.check.quantities import interval, quantity
 from fuzzyspec.check.rules import resolve_rules
 from fuzzyspec.check.shapes import first_gap
+from fuzzyspec.check.sizes import oversized
 from fuzzyspec.check.terms import TermChecker, Terms
 from fuzzyspec.check.variables import Variables
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label
-from fuzzyspec.model.controller import Controller, Fallback, Input, Output
+from fuzzyspec.model.controller import Controller, Fallback, Inference, Input, Output
 from fuzzyspec.model.term import PiecewiseLinear
 from fuzzyspec.model.units import Unit
 from fuzzyspec.model.variable import Variable
@@ -43,7 +44,19 @@ class CheckedController:
 
 def check_controller(decl: tree.ControllerDecl, constants: Constants, torn: bool) -> CheckedController:
     """Check one controller; ``torn`` where a syntax error left a part of it out of the tree."""
+    excess = oversized(decl)
+    for diagnostic in excess:
+        constants.findings.report(diagnostic)
+    if excess:
+        return _unread(decl)
     return _ControllerChecker(decl, constants, torn).check()
+
+
+def _unread(decl: tree.ControllerDecl) -> CheckedController:
+    """Stands for a controller that is not looked into: nothing is known of its variables but their names."""
+    nothing = Controller(decl.name.text, (), (), Inference(), FIRES_AT, None, (), (), (), decl.span)
+    names = frozenset(n.text for i in decl.items if isinstance(i, tree.VariableDecl) for n in i.names)
+    return CheckedController(nothing, names, False, decl.name)
 
 
 class _ControllerChecker:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Mapping
 from typing import assert_never
 
@@ -77,46 +78,83 @@ def definitions(items: tuple[tree.SystemItem, ...]) -> dict[Key, tuple[Span, tre
 
 
 def report_cycles(items: tuple[tree.SystemItem, ...], report: Report) -> frozenset[Key]:
-    """Report each cycle once; the names that stand on one."""
+    """Report one cycle of each knot of definitions; every name that is part of a knot."""
     defined = definitions(items)
     reads = {key: [r for r in references(value, loop) if r in defined] for key, (_, value, loop) in defined.items()}
-    on_cycle: set[Key] = set()
-    for start in defined:
-        if start in on_cycle:
-            continue
-        cycle = _cycle_from(start, reads)
-        if cycle is None or on_cycle & set(cycle):
-            on_cycle.update(cycle or ())
-            continue
-        on_cycle.update(cycle)
-        labels = tuple(Label(defined[k][0], f"which needs `{_text(k)}`") for k in (*cycle[1:], start)[:-1])
-        way = " needs ".join(f"`{_text(k)}`" for k in (*cycle, start))
+    knots = _knots(reads)
+    for knot in knots:
+        cycle = _shortest_cycle(next(key for key in defined if key in knot), knot, reads)
+        needed = [*cycle[1:], cycle[0]]
+        way = " needs ".join(
+            f"`{_text(k)}`" for k in (cycle[0], *(needed if len(cycle) <= _SHOWN else needed[:_SHOWN]))
+        )
+        more = "" if len(cycle) <= _SHOWN else f" and so on, over {len(cycle)} definitions"
+        alone = len(cycle) == 1
         report(
             Diagnostic(
                 "FZ240",
-                f"`{_text(start)}` is defined by itself" if len(cycle) == 1 else f"definitions go in a circle: {way}",
-                defined[start][0],
-                label="cannot be computed",
-                labels=labels if len(cycle) > 1 else (),
+                f"`{_text(cycle[0])}` is defined by itself" if alone else f"definitions go in a circle: {way}{more}",
+                defined[cycle[0]][0],
+                label="cannot be computed" if alone else f"needs `{_text(needed[0])}`",
+                labels=tuple(
+                    Label(defined[at][0], f"which needs `{_text(after)}`")
+                    for at, after in list(zip(cycle, needed, strict=True))[1:_SHOWN]
+                ),
                 help="a step computes forward; to remember a value, let an output `hold`",
             )
         )
-    return frozenset(on_cycle)
+    return frozenset().union(*knots)
 
 
-def _cycle_from(start: Key, reads: Mapping[Key, list[Key]]) -> list[Key] | None:
-    """A shortest way from ``start`` back to itself."""
-    ways: list[list[Key]] = [[start]]
+_SHOWN = 6
+"""Definitions of one cycle that are spelt out."""
+
+
+def _knots(reads: Mapping[Key, list[Key]]) -> list[set[Key]]:
+    """Sets of definitions that all need each other, or one that needs itself, by position (Kosaraju, no recursion)."""
+    needed_by: dict[Key, list[Key]] = {key: [] for key in reads}
+    for key, needs in reads.items():
+        for other in needs:
+            needed_by[other].append(key)
+    finished = list(_postorder(list(reads), reads, set()))
     seen: set[Key] = set()
-    while ways:
-        way = ways.pop(0)
-        for after in reads[way[-1]]:
-            if after == start:
-                return way
-            if after not in seen:
-                seen.add(after)
-                ways.append([*way, after])
-    return None
+    found = [set(_postorder([key], needed_by, seen)) for key in reversed(finished) if key not in seen]
+    place = {key: i for i, key in enumerate(reads)}
+    tied = [knot for knot in found if len(knot) > 1 or any(key in reads[key] for key in knot)]
+    return sorted(tied, key=lambda knot: min(place[key] for key in knot))
+
+
+def _postorder(starts: list[Key], after: Mapping[Key, list[Key]], seen: set[Key]) -> Iterator[Key]:
+    """Depth first from each start that was not seen, those that lie behind a key before it."""
+    for start in starts:
+        if start in seen:
+            continue
+        seen.add(start)
+        way = [(start, iter(after[start]))]
+        while way:
+            _, ahead = way[-1]
+            found = next((k for k in ahead if k not in seen), None)
+            if found is None:
+                yield way.pop()[0]
+            else:
+                seen.add(found)
+                way.append((found, iter(after[found])))
+
+
+def _shortest_cycle(start: Key, knot: set[Key], reads: Mapping[Key, list[Key]]) -> list[Key]:
+    """A shortest way from ``start`` back to itself within its knot, ``start`` first."""
+    came_from: dict[Key, Key] = {}
+    front = deque([start])
+    while start not in came_from:
+        key = front.popleft()
+        for after in reads[key]:
+            if after in knot and after not in came_from:
+                came_from[after] = key
+                front.append(after)
+    way = [came_from[start]]
+    while way[-1] != start:
+        way.append(came_from[way[-1]])
+    return way[::-1]
 
 
 def _text(key: Key) -> str:

@@ -311,4 +311,16 @@ CODES: tuple[Code, ...] = (
         inputs with 7 terms have 686 cells, one of 6 inputs 117,649. Or use sentence rules, which need no cells.
         """,
     ),
+    _code(
+        "FZ330",
+        "more than a controller holds",
+        """
+        A controller has at most 32 inputs, 32 outputs, 64 behaviors, 4,096 rules in them and 1,000 sentence
+        rules; a variable at most 255 terms, a `points` at most 255 points. Nothing else of a controller beyond
+        these limits is looked into.
+
+        A rule base of this size no longer fits a head, nor most microcontrollers. Split the controller in
+        layers, or write a fine curve with fewer points: between them it is linear.
+        """,
+    ),
 )

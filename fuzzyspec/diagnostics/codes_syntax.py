@@ -201,7 +201,7 @@ CODES: tuple[Code, ...] = (
         "FZ120",
         "the file is too large",
         """
-        A spec has at most 1,048,576 characters. Nothing of a larger file is read. Specs are written by people; a
+        A spec has at most 524,288 characters. Nothing of a larger file is read. Specs are written by people; a
         generated one of this size would not fit a microcontroller either.
         """,
     ),

@@ -8,7 +8,7 @@ from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source, Span
 from fuzzyspec.syntax import tree
 from fuzzyspec.syntax.tokens import Token
 
-MAX_CHARACTERS = 1 << 20
+MAX_CHARACTERS = 1 << 19
 """Characters of one file."""
 MAX_NESTING = 32
 """Brackets open at once."""

@@ -14,7 +14,7 @@ from tests.syntax.specs import FIXTURES, SOUND
 
 BROKEN = sorted(FIXTURES.glob("fz*.fz"))
 WITHOUT_FILE = {"FZ120", "FZ901"}
-"""A megabyte that no repository needs (tested elsewhere), and our own bugs."""
+"""A file of a size that no repository needs (tested elsewhere), and our own bugs."""
 
 
 def everything_found(path: Path) -> tuple[Diagnostic, ...]:

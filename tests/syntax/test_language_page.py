@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from fuzzyspec.check import check
+from fuzzyspec.check import check, findings, sizes
 from fuzzyspec.diagnostics.diagnostic import Source
 from fuzzyspec.syntax import limits, parse, parser, tokens
 from fuzzyspec.syntax.table import load
@@ -48,5 +48,7 @@ def test_the_page_lists_every_keyword() -> None:
 def test_the_page_states_the_limits() -> None:
     """The numbers in the table of limits are those of the code."""
     table = PAGE[PAGE.index("## Limits") :]
-    for number in (limits.MAX_CHARACTERS, limits.MAX_NESTING, limits.MAX_DEPTH, tokens.MAX_DIGITS, parser.MAX_ERRORS):
+    texts = (limits.MAX_CHARACTERS, limits.MAX_NESTING, limits.MAX_DEPTH, tokens.MAX_DIGITS, parser.MAX_ERRORS)
+    held = (sizes.MOST_VARIABLES, sizes.MOST_BEHAVIORS, sizes.MOST_CELL_RULES, sizes.MOST_SENTENCES, sizes.MOST_TERMS)
+    for number in (*texts, *held, findings.MOST):
         assert f"| {number:,} |" in table
