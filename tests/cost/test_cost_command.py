@@ -71,7 +71,7 @@ def test_a_wrong_output_ends_with_1(
 ) -> None:
     """The figures are shown, and so is the case that differs."""
     compiler_for("cortex-m0plus")
-    monkeypatch.setattr(Spec, "compile", lambda self: Plan(stand_in("out->z = 7U; return 0U;")))
+    monkeypatch.setattr(Spec, "compile", lambda *_: Plan(stand_in("out->z = 7U; return 0U;")))
     assert main(["cost", plain, "--target", "cortex-m0plus", *FEW]) == 1
     assert "NOT EQUAL: fan on cortex-m0plus -O2" in capsys.readouterr().out
 
