@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 from fuzzyspec.diagnostics.diagnostic import Diagnostic
 from fuzzyspec.syntax.tokens import Token
 
+SURE = -4.0
+"""The cost of an edit that is right even where more is wrong behind it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Edit:

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
 from fuzzyspec.syntax import habits, wording
-from fuzzyspec.syntax.edit import Edit
+from fuzzyspec.syntax.edit import SURE, Edit
 from fuzzyspec.syntax.findings import unclosed, unexpected
-from fuzzyspec.syntax.machine import CLOSERS, Cell, advance, made, opened, terminal, viable
+from fuzzyspec.syntax.machine import CLOSERS, Cell, advance, below, made, opened, terminal, viable
 from fuzzyspec.syntax.reading import (
     BEGINS,
     OPENERS,
@@ -32,6 +32,7 @@ _INNER_WORDS = frozenset(
 _FIRST_WORDS = frozenset({"MODULE", "CONTROLLER", "SYSTEM", "IF", "LET", "TERM", "PARTITION"})
 _REPLACEABLE = _MARKS | set(OPENERS) | {"COMPARE", "DOT", "AND", "IS", "IN", "FOR"}
 _FUNCTIONS = frozenset({"min", "max", "clamp", "abs", "sum", "count"})
+CAPITALS = "keywords are written in small letters"
 _HINTS = {
     "THEN": "a rule reads `if x is A then y is B`",
     "IS": "a rule reads `if x is A then y is B`",
@@ -54,6 +55,8 @@ def candidates(reading: Reading, index: int) -> Iterator[Edit]:
     yield from habits.foreign_word(reading, index)
     yield from habits.decimal_comma(reading, index)
     yield from habits.brace_too_many(reading, index)
+    yield from habits.set_without_braces(reading, index)
+    yield from habits.unit_in_brackets(reading, index)
     yield from _closed(reading, index)
     yield from _inserted(reading, index)
     yield from _replaced(reading, index)
@@ -64,6 +67,7 @@ def candidates(reading: Reading, index: int) -> Iterator[Edit]:
     if index > 0:
         yield from _misspelt(reading, index - 1)
         yield from _unit_as_name(reading, index)
+        yield from _unit_as_keyword(reading, index)
     for j in keywords_as_names(reading, index):
         tried = (_closed, _inserted, _dropped, _dropped_before, _rest_of_line)
         for edit in (e for kind in tried for e in kind(reading, j)):
@@ -80,9 +84,9 @@ def _misspelt(reading: Reading, at: int) -> Iterator[Edit]:
     if token.text not in reading.table.keywords:
         texts = [t for t, kind in reading.table.keywords.items() if kind in kinds]
         for text in near(token.text, texts):
-            case = "keywords are written in small letters" if text == token.text.lower() else None
+            case = CAPITALS if text == token.text.lower() else None
             told = Diagnostic("FZ102", message, token.span, f"did you mean `{text}`?", help=case)
-            yield Edit(at, told, 0.5, (token._replace(text=text),), 1)
+            yield Edit(at, told, SURE if case else 0.5, (token._replace(text=text),), 1)
     if "PLUS" in kinds or kinds & BEGINS or reading.table.keywords.get(token.text) in BEGINS - {"FOR", "IF"}:
         return
     for kind in sorted(kinds & (_INNER_WORDS - {"AND"} | {"IF"})):
@@ -160,6 +164,8 @@ def _inserted(reading: Reading, at: int) -> Iterator[Edit]:
         if kind in kinds:
             yield Edit(at, unexpected(reading, at), 2.0, (made(reading.table, kind, start),))
             break
+    if cell.symbol == "THEN":
+        yield Edit(at, unexpected(reading, at), 2.0, (name, _token(reading.table, "IS", start), name))
 
 
 def _computes(tokens: list[Token], at: int) -> bool:
@@ -250,7 +256,8 @@ def _reason(kind: str, other: str, cell: Cell) -> str | None:
 def _relabelled(reading: Reading, at: int) -> Iterator[Edit]:
     """A colon too many or too few between a name and what follows."""
     token = reading.tokens[at]
-    if token.kind == "LABEL" and not token.made:
+    next_row = token.first and "TABLE" in (c.symbol for c in below(stack_at(reading, at)))
+    if token.kind == "LABEL" and not token.made and not next_row:
         word = token._replace(kind="WORD", end=token.start + len(token.text))
         after = advance(reading.table, stack_at(reading, at), word)
         if after is not None:
@@ -294,6 +301,20 @@ def _unit_as_name(reading: Reading, at: int) -> Iterator[Edit]:
     comma = made(reading.table, "COMMA", unit.start)
     told = Diagnostic("FZ103", f"expected `,` before `{unit.text}`", unit.span, "`,` is missing before this")
     yield Edit(at - 1, told, 1.0, (comma, word), 1)
+
+
+def _unit_as_keyword(reading: Reading, at: int) -> Iterator[Edit]:
+    """A misspelt keyword that begins a line and was read as the unit of the number before: ``b / 2``, ``ouput c``."""
+    unit = reading.tokens[at - 1]
+    cell = stack_at(reading, at - 1)
+    if unit.kind != "UNIT" or not unit.first:
+        return
+    kinds = viable(reading.table, cell) & BEGINS
+    for text in near(unit.text, [t for t, kind in reading.table.keywords.items() if kind in kinds]):
+        case = CAPITALS if text == unit.text.lower() else None
+        message = f"expected an item, found `{unit.text}`"
+        told = Diagnostic("FZ102", message, unit.span, f"did you mean `{text}`?", help=case)
+        yield Edit(at - 1, told, SURE if case else 0.5, (unit._replace(kind="WORD", text=text),), 1)
 
 
 def _dropped(reading: Reading, at: int) -> Iterator[Edit]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label
+from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Span
 from fuzzyspec.syntax import wording
 from fuzzyspec.syntax.edit import Edit
 from fuzzyspec.syntax.findings import unexpected
 from fuzzyspec.syntax.hints import number_with_comma
-from fuzzyspec.syntax.machine import opened, viable
-from fuzzyspec.syntax.reading import BEGINS, Reading, stack_at
+from fuzzyspec.syntax.machine import made, opened, viable
+from fuzzyspec.syntax.reading import BEGINS, Reading, partner, stack_at
+from fuzzyspec.syntax.tokens import UNIT
 
 _MEANT = {
     "when": ("if",), "foreach": ("for", "each"), "default": ("otherwise",), "else": ("otherwise",),
@@ -63,3 +64,38 @@ def brace_too_many(reading: Reading, at: int) -> Iterator[Edit]:
         help="take it out, if this and what follows belong to the block",
     )
     yield Edit(at - 1, told, 0.5, (), 1)
+
+
+def set_without_braces(reading: Reading, at: int) -> Iterator[Edit]:
+    """``x in A, B`` for ``x in {A, B}``."""
+    cell = stack_at(reading, at)
+    if cell.symbol != "IN" or "LBRACE" not in viable(reading.table, cell):
+        return
+    end = at
+    while [t.kind for t in reading.tokens[end : end + 3]] == ["WORD", "COMMA", "WORD"]:
+        end += 2
+    names = reading.tokens[at : end + 1]
+    if names[-1].kind != "WORD" or any(t.made for t in names):
+        return
+    told = Diagnostic(
+        "FZ103",
+        f"expected {wording.wanted(reading.table, cell)}, found {wording.found(names[0], reading.table)}",
+        Span(names[0].start, names[-1].end),
+        f"write `{{{', '.join(t.text for t in names if t.kind == 'WORD')}}}`",
+    )
+    opening, closing = (made(reading.table, kind, names[0].start) for kind in ("LBRACE", "RBRACE"))
+    yield Edit(at, told, 1.0, (opening, *names, closing), len(names))
+
+
+def unit_in_brackets(reading: Reading, at: int) -> Iterator[Edit]:
+    """``[0, 8] [m]`` or ``(m)`` for ``[0, 8] m``."""
+    token = reading.tokens[at]
+    if token.kind not in ("LSQB", "LPAR") or "UNIT" not in viable(reading.table, stack_at(reading, at)):
+        return
+    end = partner(reading.tokens, at)
+    inside = "" if end is None else reading.source.text[token.end : reading.tokens[end].start].strip()
+    if end is None or not UNIT.fullmatch(inside):
+        return
+    span = Span(token.start, reading.tokens[end].end)
+    told = Diagnostic("FZ101", "a unit stands in brackets", span, f"write `{inside}`")
+    yield Edit(at, told, 0.5, (token._replace(kind="UNIT", text=inside, end=span.end),), end - at + 1)

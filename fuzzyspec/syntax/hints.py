@@ -71,6 +71,20 @@ def hint(reading: Reading, at: int) -> str | None:
             return _TERMS
         case _ if computes and {"EQUAL", "RAW"} <= kinds:
             return "an output gets its value by `output NAME = VALUE`"
+        case _, "LABEL" | "NUMBER", _ if "IF" in kinds:
+            return "rules have no names or numbers: each begins with `if`"
+        case _, "LABEL", _ if "IS" in kinds or cell.symbol == "IS":
+            return "a rule reads `if x is A then y is B`"
+        case _, "LSQB" | "LPAR", _ if "WITH" in kinds:
+            return "a weight is written `with 0.8`"
+        case _, "WORD", _ if cell.symbol == "NAME" and "THEN" in kinds:
+            return "a condition names one term; there are no hedges such as `very`"
+        case "IN", "WORD", _ if computes:
+            return "a fold reads `max(o.x for o in LIST, otherwise 0)`"
+        case _, "WORD" | "EQUAL" | "COLON", _ if {"COMMA", "IN"} <= kinds and "IS" not in kinds:
+            return "an input or output has its range behind `in`: `x in [0, 8] m`"
+        case _, "MINUS" | "DOT", _ if {"COMMA", "IN"} <= kinds:
+            return "a name has letters, digits and `_`"
         case _ if "DOTS" in kinds:
             return "counts have both ends: `raw uint16 0..4095`; a step is written `raw int16 step 0.01`"
         case symbol, "NUMBER", _ if symbol in _NAMES:

@@ -6,6 +6,8 @@ machine itself. Reductions are pure.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from fuzzyspec.diagnostics.diagnostic import Span
 from fuzzyspec.syntax import build_crisp, build_fuzzy
 from fuzzyspec.syntax.builders import Node
@@ -91,19 +93,25 @@ def made(table: Table, kind: str, at: int) -> Token:
 _TEXTS = {"NAME": MISSING, "NUMBER": "1", "LABEL": MISSING, "UNIT": "", "COMPARE": "<", END: ""}
 
 
+def below(cell: Cell) -> Iterator[Cell]:
+    """A stack from its top downwards."""
+    at: Cell | None = cell
+    while at is not None:
+        yield at
+        at = at.below
+
+
 def opened(cell: Cell) -> list[Cell]:
     """The brackets that are open on a stack, innermost first; a pair may lie there whole, until its rule is reduced."""
     found: list[Cell] = []
     closed = 0
-    at: Cell | None = cell
-    while at is not None:
+    for at in below(cell):
         if at.symbol in CLOSERS.values():
             closed += 1
         elif at.symbol in CLOSERS and closed:
             closed -= 1
         elif at.symbol in CLOSERS:
             found.append(at)
-        at = at.below
     return found
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source, Span
 from fuzzyspec.syntax import layout, limits, repair, skip, tree
+from fuzzyspec.syntax.edits import CAPITALS
 from fuzzyspec.syntax.machine import Cell, advance, bottom
 from fuzzyspec.syntax.reading import stack_at
 from fuzzyspec.syntax.table import load
@@ -30,7 +31,7 @@ def parse(source: Source) -> tuple[tree.Module, tuple[Diagnostic, ...]]:
         return _nothing(source), (*found, _empty(source))
     reading = _Reading(source, tokens)
     module = reading.run()
-    found += reading.found
+    found += _capitals_once(reading.found)
     if problem := limits.too_deep(module):
         return _nothing(source), (*_sorted(found), problem)
     if module.name is None and not any(d.span.start <= tokens[0].end for d in found):
@@ -42,6 +43,17 @@ def parse(source: Source) -> tuple[tree.Module, tuple[Diagnostic, ...]]:
 
 def _sorted(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     return tuple(sorted(found, key=lambda d: (d.span, d.code)))
+
+
+def _capitals_once(found: list[Diagnostic]) -> list[Diagnostic]:
+    """Whoever writes one keyword in capitals writes all: told at the first."""
+    capitals = [d for d in found if d.help == CAPITALS]
+    more = len(capitals) - 1
+    if more < 1:
+        return found
+    note = f"{more} more keyword{'s' if more > 1 else ''} in capitals in this file"
+    first = replace(capitals[0], notes=(*capitals[0].notes, note))
+    return [first if d is capitals[0] else d for d in found if d is capitals[0] or d.help != CAPITALS]
 
 
 def _nothing(source: Source) -> tree.Module:
@@ -97,7 +109,7 @@ class _Reading:
 
     def _recover(self, index: int) -> int:
         """Makes an edit or skips, so that reading can go on; returns where."""
-        if len(self.found) >= MAX_ERRORS:
+        if sum(d.help != CAPITALS for d in self.found) >= MAX_ERRORS:
             self.found.append(limits.too_many(self.tokens[index], MAX_ERRORS))
             return self._give_up(index)
         edit = repair.best(self, index)

@@ -6,7 +6,7 @@ furthest for the least change is taken, so the rest of the file is still read, a
 
 from __future__ import annotations
 
-from fuzzyspec.syntax.edit import Edit
+from fuzzyspec.syntax.edit import SURE, Edit
 from fuzzyspec.syntax.edits import candidates
 from fuzzyspec.syntax.machine import Cell, advance, terminal
 from fuzzyspec.syntax.reading import BEGINS, Reading, stack_at
@@ -24,7 +24,7 @@ def best(reading: Reading, index: int) -> Edit | None:
     chosen_score = 0.0
     for edit in candidates(reading, index):
         reach = _reach(reading, edit, index)
-        if reach >= _LEAST_REACH and reach - edit.cost > chosen_score:
+        if reach >= (0 if edit.cost == SURE else _LEAST_REACH) and reach - edit.cost > chosen_score:
             chosen, chosen_score = edit, reach - edit.cost
     return chosen
 

@@ -54,7 +54,7 @@ _ODD_NUMBER = re.compile(
 _FOREIGN_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 _COLON = re.compile(r"[ \t]*:(?!=)")
 _FACTOR = r"(?:[A-Za-z_][A-Za-z0-9_]*|%)(?:\^-?[0-9]+)?"
-_UNIT = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*")
+UNIT = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*")
 _LONG_POWER = re.compile(r"\^-?[0-9]{3,}")
 _COMPARE = re.compile(r"<=|>=|==|!=|<|>")
 
@@ -182,7 +182,7 @@ class _Scanner:
         return self._add("WORD", name, at, end)
 
     def _unit(self, text: str, at: int) -> int:
-        unit = _UNIT.match(text, at)
+        unit = UNIT.match(text, at)
         word = letters.WORD.match(text, at)
         if word is not None and (unit is None or word.end() > unit.end()):
             span = Span(at, word.end())
@@ -216,7 +216,7 @@ def unit_behind(tokens: list[Token], at: int, text: str) -> None:
     """Reads the words at ``at`` as a unit, in place: what stands behind a bracket that turned out to close a range."""
     if at >= len(tokens) or tokens[at].kind != "WORD" or tokens[at].text in load().keywords:
         return
-    unit = _UNIT.match(text, tokens[at].start)
+    unit = UNIT.match(text, tokens[at].start)
     if unit is not None:
         last = at
         while tokens[last].end < unit.end():
