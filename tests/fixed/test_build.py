@@ -6,13 +6,13 @@ import itertools
 from collections.abc import Callable
 
 import pytest
-from fixed_values import Operand, computed, numbers, operands
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.build import INT32_MAX, INT32_MIN, UINT32_MAX, RangeError
 from fuzzyspec.fixed.program import Binary, Const, Expr, Local
+from tests.fixed.fixed_values import Operand, computed, numbers, operands
 
 Two = Callable[[Expr, Expr], Expr]
 Meaning = Callable[[int, int], int]

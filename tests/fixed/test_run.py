@@ -7,9 +7,6 @@ import sys
 
 import numpy as np
 import pytest
-from fixed_values import outputs
-from interpreter import Case
-from random_programs import CAPACITY, FIELDS, SCALARS, program
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import (
@@ -32,6 +29,9 @@ from fuzzyspec.fixed.program import (
     StatusBit,
 )
 from fuzzyspec.fixed.run import CHUNK, IntervalError, Run, decision_shapes, initial_state, run
+from tests.fixed.fixed_values import outputs
+from tests.fixed.interpreter import Case
+from tests.fixed.random_programs import CAPACITY, FIELDS, SCALARS, program
 
 Arrays = dict[str, np.ndarray]
 

@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from lower_models import full_output, has_area, output_of, partition, peaks, shapes, variables
-from lower_running import given as reading
-from lower_running import outcome
 
 from fuzzyspec.fixed.program import AssignElement, Const, DefineArray, Stmt
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
@@ -20,6 +17,9 @@ from fuzzyspec.lower.machine import MACHINES
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.sets import closed_form
 from fuzzyspec.model.controller import Output
+from tests.lower.lower_models import full_output, has_area, output_of, partition, peaks, shapes, variables
+from tests.lower.lower_running import given as reading
+from tests.lower.lower_running import outcome
 
 F = Fraction
 SLACK = 1e-9

@@ -9,7 +9,6 @@ from fractions import Fraction
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from lower_models import NOWHERE, full_output, has_area, membership, output_of, partition, peaks, shapes, variables
 
 from fuzzyspec.lower.clipped import MAX_SETS, ClippedSet, TooManySets, clipped_sets
 from fuzzyspec.lower.lines import DEGREE_ONE
@@ -18,6 +17,17 @@ from fuzzyspec.model.controller import Output
 from fuzzyspec.model.term import PiecewiseLinear
 from fuzzyspec.model.units import ONE
 from fuzzyspec.model.variable import Raw, Variable
+from tests.lower.lower_models import (
+    NOWHERE,
+    full_output,
+    has_area,
+    membership,
+    output_of,
+    partition,
+    peaks,
+    shapes,
+    variables,
+)
 
 F = Fraction
 Function = Callable[[F], F]

@@ -9,9 +9,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from lower_models import NOWHERE, input_of, output_of, partition, terms
-from lower_running import given as reading
-from lower_running import outcome
 
 from fuzzyspec.fixed.program import Const, Expr, Stmt
 from fuzzyspec.lower.fire import Firing, fire
@@ -37,6 +34,9 @@ from fuzzyspec.model.controller import (
 from fuzzyspec.model.term import PiecewiseLinear, Singleton
 from fuzzyspec.model.units import ONE
 from fuzzyspec.model.variable import Raw, Variable
+from tests.lower.lower_models import NOWHERE, input_of, output_of, partition, terms
+from tests.lower.lower_running import given as reading
+from tests.lower.lower_running import outcome
 
 F = Fraction
 CASES = 60

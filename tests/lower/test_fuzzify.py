@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from lower_models import NOWHERE, ends_are_legal, input_of, membership, peaks, shapes, terms, variables
-from lower_running import given as reading
-from lower_running import outcome
 
 from fuzzyspec.exact.membership import degree
 from fuzzyspec.fixed.program import Const
@@ -21,6 +18,9 @@ from fuzzyspec.model.controller import Input
 from fuzzyspec.model.term import PiecewiseLinear, Singleton
 from fuzzyspec.model.units import ONE
 from fuzzyspec.model.variable import Raw, Variable
+from tests.lower.lower_models import NOWHERE, ends_are_legal, input_of, membership, peaks, shapes, terms, variables
+from tests.lower.lower_running import given as reading
+from tests.lower.lower_running import outcome
 
 NEAR = 1e-6
 """Where float64 does not tell on which side of a bound a case is, it is evaluated in rationals."""

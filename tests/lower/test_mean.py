@@ -8,14 +8,14 @@ from fractions import Fraction
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lower_models import variables
-from lower_running import given as reading
-from lower_running import outcome
 
 from fuzzyspec.lower.machine import MACHINES
 from fuzzyspec.lower.mean import mean_to_raw
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.variable import Variable
+from tests.lower.lower_models import variables
+from tests.lower.lower_running import given as reading
+from tests.lower.lower_running import outcome
 
 LARGEST = 2**31 - 1
 
