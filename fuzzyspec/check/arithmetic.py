@@ -128,13 +128,14 @@ def fitted(value: Value, unit: Unit, place: Span, what: str, report: Report) -> 
         return number(unit.to_coherent(c), unit.dims, value.span)
     if value.dims == unit.dims:
         return value
+    wanted = f"in {unit.symbol}" if unit.symbol else describe(unit.dims)
     report(
         Diagnostic(
             "FZ220",
-            f"{what} is {describe(unit.dims)}, but gets {_got(value.dims)}",
+            f"{what} is {wanted}, but gets {_got(value.dims)}",
             value.span,
             label=f"this is {describe(value.dims)}",
-            labels=(Label(place, f"this is {describe(unit.dims)}"),),
+            labels=(Label(place, f"this is {wanted}"),),
             help=mismatch_help(value.dims, unit.dims, False),
         )
     )

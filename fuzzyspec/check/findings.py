@@ -11,8 +11,8 @@ from fuzzyspec.diagnostics.diagnostic import Diagnostic, Severity, Span
 
 Report = Callable[[Diagnostic], None]
 
-_TOLD_ONCE = UNKNOWN_NAMES | {"FZ317"}
-"""Codes of which many alike have one cause: a name that is unknown everywhere, a header that fits no row."""
+_TOLD_ONCE = UNKNOWN_NAMES | {"FZ305", "FZ317"}
+"""Codes of which many alike have one cause: an unknown name, a table too many, a header that fits no row."""
 
 
 MOST = 500

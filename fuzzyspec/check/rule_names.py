@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
-from fuzzyspec.check.similar import did_you_mean
+from fuzzyspec.check.similar import did_you_mean, listing
 from fuzzyspec.diagnostics.diagnostic import Diagnostic
 from fuzzyspec.model.controller import Input, Output
 from fuzzyspec.syntax import tree
@@ -30,6 +30,7 @@ class RuleNames:
         self._input_index = {v.name: i for i, v in enumerate(inputs)}
         self._output_index = {v.name: i for i, v in enumerate(outputs)}
         self._declared = _declared_terms(decl)
+        self._full = _full_partitions(decl)
         self.broken = any(name not in self._known(kind) for kind, name in self._declared)
 
     def error(self, diagnostic: Diagnostic) -> None:
@@ -45,10 +46,10 @@ class RuleNames:
         """Index of an input."""
         found = self._input_index.get(name.text)
         if found is None and ("input", name.text) not in self._declared:
-            help = did_you_mean(name.text, self._input_index) or _listed("its inputs are", self._input_index)
+            help = did_you_mean(name.text, self._input_index) or f"its inputs are {listing(self._input_index)}"
             if ("output", name.text) in self._declared:
-                help = f"`{name.text}` is an output; a condition asks inputs. " + _listed(
-                    "The inputs are", self._input_index
+                help = (
+                    f"`{name.text}` is an output; a condition asks inputs. The inputs are {listing(self._input_index)}"
                 )
             self.error(
                 Diagnostic(
@@ -65,11 +66,9 @@ class RuleNames:
         """Index of an output."""
         found = self._output_index.get(name.text)
         if found is None and ("output", name.text) not in self._declared:
-            help = did_you_mean(name.text, self._output_index) or _listed("its outputs are", self._output_index)
+            help = did_you_mean(name.text, self._output_index) or f"its outputs are {listing(self._output_index)}"
             if ("input", name.text) in self._declared:
-                help = f"`{name.text}` is an input; rules set outputs. " + _listed(
-                    "The outputs are", self._output_index
-                )
+                help = f"`{name.text}` is an input; rules set outputs. The outputs are {listing(self._output_index)}"
             self.error(
                 Diagnostic(
                     "FZ312",
@@ -96,49 +95,60 @@ class RuleNames:
         for index, term in enumerate(variable.terms):
             if term.name == name.text:
                 return index
-        if name.text in self._declared.get((kind, variable.name), frozenset()):
+        if name.text in self._declared.get((kind, variable.name), ()):
             self.broken = True
             return None
-        known = [t.name for t in variable.terms]
-        everything: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
-        others = [v.name for v in everything if name.text in [t.name for t in v.terms]]
-        help = did_you_mean(name.text, known) or _listed("its terms are", known)
-        if others and did_you_mean(name.text, known) is None:
-            help += f"; `{name.text}` is a term of {_quoted(others)}"
+        known = self._declared.get((kind, variable.name)) or tuple(t.name for t in variable.terms)
+        if not known:
+            self.broken = True
+            return None
         self.error(
             Diagnostic(
                 "FZ313",
                 f"{kind} `{variable.name}` has no term `{name.text}`",
                 name.span,
                 label="no such term",
-                help=help,
+                help=self._way_out(kind, variable.name, name.text, known),
             )
         )
         return None
 
+    def _way_out(self, kind: str, variable: str, wrong: str, known: tuple[str, ...]) -> str:
+        """The help of an unknown term."""
+        if wrong == "full" and (kind, variable) in self._full:
+            return "`full` at the end of a partition is a keyword: give the term another name"
+        others = [v for (_, v), terms in self._declared.items() if wrong in terms]
+        listed = f"its terms are {listing(known)}"
+        if others:
+            return f"{listed}; `{wrong}` is a term of {listing(others)}"
+        return did_you_mean(wrong, known) or listed
 
-def _declared_terms(decl: tree.ControllerDecl) -> dict[tuple[str, str], frozenset[str]]:
+
+def _declared_terms(decl: tree.ControllerDecl) -> dict[tuple[str, str], tuple[str, ...]]:
     """(kind, variable) to the names of all terms written for it, checked or not."""
-    found: dict[tuple[str, str], frozenset[str]] = {}
+    found: dict[tuple[str, str], tuple[str, ...]] = {}
     for item in decl.items:
         if isinstance(item, tree.VariableDecl):
-            terms: set[str] = set()
+            terms: list[str] = []
             for member in item.members:
                 match member:
                     case tree.Partition(placed) | tree.Singletons(placed):
-                        terms.update(t.name.text for t in placed)
+                        terms += [t.name.text for t in placed]
                     case tree.TermDecl(name):
-                        terms.add(name.text)
+                        terms.append(name.text)
                     case tree.OtherwiseClause():
                         pass
             for name in item.names:
-                found[(item.kind, name.text)] = frozenset(terms)
+                found[(item.kind, name.text)] = tuple(dict.fromkeys(terms))
     return found
 
 
-def _quoted(names: Iterable[str]) -> str:
-    return ", ".join(f"`{n}`" for n in names)
-
-
-def _listed(start: str, names: Iterable[str]) -> str:
-    return f"{start} {_quoted(names)}"
+def _full_partitions(decl: tree.ControllerDecl) -> frozenset[tuple[str, str]]:
+    """(kind, variable) of all that have a partition with the keyword `full`."""
+    return frozenset(
+        (item.kind, name.text)
+        for item in decl.items
+        if isinstance(item, tree.VariableDecl)
+        for name in item.names
+        if any(isinstance(m, tree.Partition) and m.full for m in item.members)
+    )

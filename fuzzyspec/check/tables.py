@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from fuzzyspec.check.claims import Claim, whole
 from fuzzyspec.check.rule_names import RuleNames
+from fuzzyspec.check.similar import listing
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Span
 from fuzzyspec.syntax import tree
 
@@ -34,6 +35,8 @@ def resolve_tables(tables: tuple[tree.Table, ...], names: RuleNames) -> tuple[tu
         if len(inputs) == 1:
             lists, columns = _list_rows(table, inputs[0], names), None
         else:
+            if _other_inputs_header(table, inputs, names) or _header_is_off(table, inputs[-1], names):
+                continue
             columns = _columns(table, inputs[-1], names)
             lists = _grid_rows(table, inputs, columns, names)
         for where, entry, span in lists:
@@ -101,6 +104,50 @@ def _columns(table: tree.Table, last: int, names: RuleNames) -> tuple[int | None
             first[term] = name
         found.append(term)
     return tuple(found)
+
+
+def _other_inputs_header(table: tree.Table, inputs: tuple[int, ...], names: RuleNames) -> bool:
+    """Reports a header whose columns are all terms of an input that labels the rows."""
+    written = {c.text for c in table.columns}
+    last, *others = (names.inputs[i] for i in (inputs[-1], *inputs[:-1]))
+    if not written or written & {t.name for t in last.terms}:
+        return False
+    meant = next((v for v in others if written <= {t.name for t in v.terms}), None)
+    if meant is None:
+        return False
+    order = ", ".join([*(v.name for v in (*others, last) if v is not meant), meant.name])
+    names.error(
+        Diagnostic(
+            "FZ320",
+            f"the header runs over `{meant.name}`, but the last input of the table is `{last.name}`",
+            table.columns[0].span.to(table.columns[-1].span),
+            label=f"terms of `{meant.name}`",
+            labels=(Label(table.inputs[-1].span, "this one runs across"),),
+            help=f"write `by {order}`, or run across the terms of `{last.name}`",
+        )
+    )
+    return True
+
+
+def _header_is_off(table: tree.Table, last: int, names: RuleNames) -> bool:
+    """Reports a header that fits none of the rows, where these have an entry for each term."""
+    terms = [t.name for t in names.inputs[last].terms]
+    if not table.columns or any(len(row.entries) != len(terms) for row in table.rows):
+        return False
+    written = [c.text for c in table.columns]
+    if len(written) == len(terms):
+        return False
+    lacking = [t for t in terms if t not in written]
+    names.error(
+        Diagnostic(
+            "FZ320",
+            f"the header has {_count(len(written), 'column')}, but every row has {len(terms)} entries",
+            table.columns[0].span.to(table.columns[-1].span),
+            label=f"lacks {listing(lacking)}" if lacking else f"`{names.inputs[last].name}` has {len(terms)} terms",
+            help=f"name each term of `{names.inputs[last].name}` once, in the order of the entries",
+        )
+    )
+    return True
 
 
 def _list_rows(table: tree.Table, only: int, names: RuleNames) -> list[_Row]:

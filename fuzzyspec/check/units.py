@@ -97,8 +97,9 @@ def describe(of: Dims) -> str:
 
 _SPELT_OUT = {
     "meter": "m", "metre": "m", "second": "s", "sec": "s", "minute": "min", "degree": "deg", "radian": "rad",
-    "percent": "%", "volt": "V", "watt": "W", "newton": "N", "kelvin": "K", "celsiu": "degC", "amp": "A", "ampere": "A",
-    "hertz": "Hz", "pascal": "Pa", "centimeter": "cm", "millimeter": "mm", "kilometer": "km", "millisecond": "ms",
+    "percent": "%", "volt": "V", "watt": "W", "newton": "N", "kelvin": "K", "celsiu": "degC", "c": "degC",
+    "amp": "A", "ampere": "A", "hertz": "Hz", "pascal": "Pa", "centimeter": "cm", "millimeter": "mm",
+    "kilometer": "km", "millisecond": "ms",
 }  # fmt: skip
 
 
@@ -163,7 +164,7 @@ class Units:
 
     def _way_out(self, symbol: str) -> str:
         near = _SPELT_OUT.get(symbol.lower().rstrip("s")) or nearest(symbol, self._known)
-        guess = f"did you mean `{near}`?" if near is not None else f"known units: {listing(self._known, most=99)};"
+        guess = f"did you mean `{near}`?" if near is not None else f"known units: {listing(self._known, most=99)}."
         return f"{guess} A unit of your own is declared at the top: `unit {symbol} = ..`"
 
     def _affine(self, symbol: str, expr: tree.UnitExpr, report: Report) -> None:
