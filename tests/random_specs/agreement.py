@@ -11,6 +11,7 @@ from fuzzyspec.api import Spec
 from fuzzyspec.emit import emit
 from fuzzyspec.exact import Point
 from fuzzyspec.fixed.run import Run, run
+from fuzzyspec.lower import Options
 from fuzzyspec.native import NativeModule
 from fuzzyspec.verify.cases import Batch
 from fuzzyspec.verify.confirm import _point as evaluated_exactly
@@ -110,11 +111,18 @@ def example(batch: Batch, at: int) -> str:
     return f"{inputs} state { ({k: int(v[at]) for k, v in batch.state.items()}) } ({batch.kind})"
 
 
+OPTIONS = [
+    Options(optimize=g, target=t) for g in ("balanced", "speed", "size") for t in ("generic", "cortex-m4", "avr")
+]
+"""The strategies' choices: every seed takes one."""
+
+
 def examine(spec: Spec, seed: int, n: int) -> list[Measured]:
     """All functions of a spec, ``n`` cases each. AssertionError where anything is not as promised."""
-    lowered = spec.lowered
+    options = OPTIONS[seed % len(OPTIONS)]
+    lowered = spec.lower(options)
     chosen = subjects(spec.module, lowered.program, lowered.certificates)
-    files = dict(emit(spec.module, lowered, spec.source).files)
+    files = dict(emit(spec.module, lowered, spec.source, options).files)
     worst: dict[tuple[str, str], float] = {}
     with NativeModule(lowered.program, files) as native:
         assert native.selftest() == 0, "a golden vector differs"
