@@ -14,7 +14,7 @@ QUOTIENT_ONE = 1 << 16
 
 
 def divide(
-    arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction] | None, divides: bool, name: str
+    arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction], divides: bool, name: str
 ) -> Scaled:
     """``x / y`` saturated into a range (docs/numbers.md, lemma "quotient").
 
@@ -30,12 +30,6 @@ def divide(
         if -y.lo > y.error:
             raise build.RangeError("the divisor may have both signs")
         y = arithmetic.largest([y, constant(Fraction(0))], f"{name}_by")
-    if into is None:
-        # What the exact operands can be, not only the computed ones: the exact quotient is nowhere saturated.
-        if y.lo <= y.error:
-            raise build.RangeError("the divisor may be 0, or within its certified error of it")
-        corners = [a / b for a in (x.lo - x.error, x.hi + x.error) for b in (y.lo - y.error, y.hi + y.error)]
-        into = (min(corners), max(corners))
     lo, hi = into
     if lo == hi:
         return constant(lo)

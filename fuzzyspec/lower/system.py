@@ -42,6 +42,7 @@ from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.walk import folds, needs, needs_of_element
 from fuzzyspec.model import system as m
 from fuzzyspec.model.controller import Controller
+from fuzzyspec.model.interval import Intervals
 from fuzzyspec.model.system import ActingOutput, Call, ForEach, Let, ListInput, System, SystemOutput
 from fuzzyspec.model.variable import Variable
 
@@ -89,8 +90,10 @@ class Lowering:
     acting: dict[str, Local] = field(default_factory=dict)
     loops: list[ForEach] = field(default_factory=list)
     element_calls: set[str] = field(default_factory=set)
+    intervals: Intervals = field(init=False)
 
     def __post_init__(self) -> None:
+        self.intervals = Intervals.of_system(self.system)
         for s in self.system.statements:
             if isinstance(s, ForEach):
                 self.element_calls |= {b.id for b in s.body if isinstance(b, Call)}
@@ -282,7 +285,9 @@ class Lowering:
             if expr.into is None:
                 return exact
             return a.smallest([a.largest([exact, constant(expr.into[0])], name), constant(expr.into[1])], name)
-        quotient = divide(a, x, y, expr.into, self.machine.divides, name)
+        # Without a place it is its own interval that it stays in: that of the exact operands, not of the computed ones.
+        into = self.intervals.of(expr) if expr.into is None else expr.into
+        quotient = divide(a, x, y, into, self.machine.divides, name)
         if expr.otherwise is None:
             return quotient
         test, band = zero_over_zero(a, x, y, f"{name}_zero")
