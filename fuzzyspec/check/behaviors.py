@@ -44,6 +44,16 @@ def resolve_behaviors(
                     help="put the rules into one block, or choose another name (case does not tell names apart in C)",
                 )
             )
+        if not decl.rules:
+            names.error(
+                Diagnostic(
+                    "FZ328",
+                    f"behavior `{decl.name.text}` has no rules",
+                    decl.name.span,
+                    label="claims no cells",
+                    help="add a rule, `if x is A then y is B`, or remove the block",
+                )
+            )
         blocks.append(Block(decl.name.text, _priority(decl, names, numbers), decl.name.span))
         for rule in decl.rules:
             claim = _claim(rule, index, names)
@@ -197,9 +207,9 @@ def _terms(part: tree.Is, negated: bool, names: RuleNames) -> tuple[int, tuple[i
     index = names.input(part.variable)
     if index is None:
         return None
-    found = [names.input_term(index, term) for term in part.terms]
-    if any(t is None for t in found):
+    found = names.input_terms(index, part.terms)
+    if found is None:
         return None
     if negated:
         return index, tuple(t for t in range(len(names.inputs[index].terms)) if t not in found)
-    return index, tuple(sorted({t for t in found if t is not None}))
+    return index, found

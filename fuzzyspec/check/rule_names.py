@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from fuzzyspec.check.similar import did_you_mean, listing
-from fuzzyspec.diagnostics.diagnostic import Diagnostic
+from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label
 from fuzzyspec.model.controller import Input, Output
 from fuzzyspec.syntax import tree
 
@@ -83,6 +83,26 @@ class RuleNames:
     def input_term(self, index: int, name: tree.Name) -> int | None:
         """Index of a term of an input."""
         return self._term("input", self.inputs[index], name)
+
+    def input_terms(self, index: int, written: tuple[tree.Name, ...]) -> tuple[int, ...] | None:
+        """Indices of the terms in a condition, in the input's order; None where one is unknown or stands twice."""
+        first: dict[str, tree.Name] = {}
+        for name in written:
+            earlier = first.setdefault(name.text, name)
+            if earlier is not name:
+                self.error(
+                    Diagnostic(
+                        "FZ314",
+                        f"the condition names term `{name.text}` twice",
+                        name.span,
+                        label="named again",
+                        labels=(Label(earlier.span, "first here"),),
+                        help="name it once; perhaps another term was meant",
+                    )
+                )
+        found = {self.input_term(index, name) for name in written}
+        known = tuple(sorted(t for t in found if t is not None))
+        return known if len(known) == len(written) else None
 
     def output_term(self, index: int, name: tree.Name) -> int | None:
         """Index of a term of an output."""

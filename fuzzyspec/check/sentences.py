@@ -34,11 +34,10 @@ def _antecedent(condition: tree.Condition, names: RuleNames) -> Antecedent | Non
             index = names.input(condition.variable)
             if index is None:
                 return None
-            terms = [names.input_term(index, term) for term in condition.terms]
-            known = tuple(sorted({t for t in terms if t is not None}))
-            if None in terms or not known:
+            terms = names.input_terms(index, condition.terms)
+            if not terms:
                 return None
-            part = Is(index, known)
+            part = Is(index, terms)
             return Not(part) if condition.negated else part
         case tree.Antecedent():
             operands = [_antecedent(operand, names) for operand in condition.operands]

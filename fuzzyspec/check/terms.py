@@ -103,6 +103,15 @@ class TermChecker:
                 "this is an input",
                 "drop it: an input's end terms keep their degree 1 beyond the peak",
             )
+        for term in written.terms:
+            if term.name.text == "full" and term.peak is None:
+                self._report(
+                    "FZ413",
+                    "`full` stands behind the terms of a partition",
+                    term.name.span,
+                    "read as the name of a term here",
+                    "move it to the end; a term of that name can only be placed: `full at 10`",
+                )
         placed = self._places(written.terms, written.span, "partition")
         if placed is None:
             return None

@@ -103,7 +103,7 @@ CODES: tuple[Code, ...] = (
         """
         `full` mirrors the inner half of the end terms of an output's partition outwards, so that a centroid
         reaches the ends of the range. The end peaks must lie on the ends, and no other terms may stand beside
-        the partition. Inputs have no use for it.
+        the partition. Inputs have no use for it. It stands behind the names of the terms.
 
             output u in [0, 1] { partition LOW at 0, HIGH at 0.9 full }
         """,

@@ -162,11 +162,12 @@ CODES: tuple[Code, ...] = (
     ),
     _code(
         "FZ314",
-        "a variable named twice",
+        "named twice",
         """
-        A rule sets one output twice, or the header of a table names a variable twice.
+        A rule sets one output twice, a condition names one term twice, or the header of a table one variable.
 
             if front is B then v is VS, v is S
+            if left in {M, M} then v is S
         """,
     ),
     _code(
@@ -224,7 +225,8 @@ CODES: tuple[Code, ...] = (
         "FZ320",
         "a table lacks rows or columns",
         """
-        The only table that sets an output leaves some of its cells out.
+        The only table that sets an output leaves some of its cells out, or its header has not as many columns as
+        all of its rows have entries, or runs over another input than the last one behind `by`.
 
         Complete the table, or give the output an `otherwise`, which holds where no rule fires.
         """,
@@ -296,9 +298,9 @@ CODES: tuple[Code, ...] = (
     ),
     _code(
         "FZ328",
-        "a controller without rules",
+        "no rules",
         """
-        A controller needs a `table`, `behavior` blocks or a `rules` block.
+        A controller needs a `table`, `behavior` blocks or a `rules` block, and a behavior at least one rule.
         """,
     ),
     _code(
