@@ -23,6 +23,8 @@ from fuzzyspec.lower.multilinear import MultilinearNumbers
 CLOSE_ENOUGH = 1.05
 """Stop where the bound is within this factor of the lemma's own value at a single point."""
 CHUNK = 4096
+NARROWEST = 2.0**-22
+"""A box over which no degree moves by more is not split: what is left there is a jump, or rounding."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +168,8 @@ class _Search:
         while looked < self.effort.boxes:
             over = total / np.maximum(floor * CLOSE_ENOUGH, 1e-300)
             score = over.max(axis=1)
-            open_ = np.flatnonzero(score > 1)
+            wide = ((boxes.hi - boxes.lo) * self.steep).max(axis=1) > NARROWEST
+            open_ = np.flatnonzero((score > 1) & wide)
             if not len(open_):
                 break
             room = max(1, min(len(open_), (self.effort.boxes - looked) // 2, CHUNK))
