@@ -35,14 +35,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "values", metavar="name=value", nargs="*", help="an input, with or without its unit: target=-20deg"
     )
-    # argparse cannot take positionals on both sides of an option: the ones after it come with it.
-    parser.add_argument(
-        "--controller",
-        metavar=("NAME", "name=value"),
-        nargs="+",
-        default=[],
-        help="which, where there are several",
-    )
+    parser.add_argument("--controller", metavar="NAME", help="which, where there are several")
     parser.add_argument("--format", choices=("text", "json"), default="text")
     parser.set_defaults(run=run)
 
@@ -77,9 +70,8 @@ def _fire(arguments: argparse.Namespace) -> int:
     from fuzzyspec.exact import controller_point
 
     spec = load(arguments.subject)
-    name, *more = arguments.controller or [None]
-    controller = _controller(spec.module, name)
-    at = _inputs(controller, [*arguments.values, *more])
+    controller = _controller(spec.module, arguments.controller)
+    at = _inputs(controller, arguments.values)
     explanation = explain(controller, at, spec.source)
     point = controller_point(controller, at)
     if arguments.format == "json":

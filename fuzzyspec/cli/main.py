@@ -11,6 +11,7 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from itertools import pairwise
 
 from fuzzyspec.cli import terminal
 from fuzzyspec.cli.intermixed import IntermixedParser
@@ -42,27 +43,41 @@ def build_parser() -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; the exit status. Only what Python raises for ``--help`` and wrong usage leaves as SystemExit."""
     terminal.speak_utf8()
+    words = list(sys.argv[1:] if argv is None else argv)
     try:
         arguments = build_parser().parse_args(argv)
         status = _run(arguments)
         sys.stdout.flush()
     except Refusal as error:
-        terminal.complain(str(error))
-        return MISUSED
+        return _stopped(str(error), words)
     except BrokenPipeError:
         # What is still buffered must not fail again when the interpreter flushes on its way out.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return UNREAD
     except OSError as error:
-        terminal.complain(f"{error.filename}: {error.strerror}" if error.filename is not None else str(error))
-        return MISUSED
+        return _stopped(f"{error.filename}: {error.strerror}" if error.filename is not None else str(error), words)
     except KeyboardInterrupt:
         terminal.complain("interrupted")
         return INTERRUPTED
     except Exception as error:
-        terminal.print_bug_box(error, list(sys.argv[1:] if argv is None else argv))
+        terminal.print_bug_box(error, words)
+        if _wants_json(words):
+            terminal.print_failure_as_json(f"a bug in fuzzyc: {type(error).__name__}")
         return BUG
     return status
+
+
+def _stopped(message: str, words: list[str]) -> int:
+    """Wrong usage, a missing tool or a file that cannot be used: one line, and data for a machine that reads on."""
+    terminal.complain(message)
+    if _wants_json(words):
+        terminal.print_failure_as_json(message)
+    return MISUSED
+
+
+def _wants_json(words: list[str]) -> bool:
+    """Whether the command line asks for data; the parser may have stopped before it knew."""
+    return "--format=json" in words or ("--format", "json") in pairwise(words)
 
 
 def _run(arguments: argparse.Namespace) -> int:

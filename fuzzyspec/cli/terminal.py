@@ -16,7 +16,11 @@ from fuzzyspec.version import __version__
 
 
 def speak_utf8() -> None:
-    """Write UTF-8 whatever the locale says, and never fail over a character."""
+    """Write UTF-8 whatever the locale says, and never fail over a character; a stream that is closed takes anything."""
+    if sys.stdout is None:
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="backslashreplace")
@@ -50,6 +54,11 @@ def print_diagnostics_as_json(diagnostics: Sequence[Diagnostic], source: Source)
 def complain(message: str) -> None:
     """One line on standard error, in the tool's name."""
     print(f"fuzzyc: {message}", file=sys.stderr)
+
+
+def print_failure_as_json(message: str) -> None:
+    """What a command with ``--format json`` prints instead of its result when it could not do its work."""
+    print(json.dumps({"ok": False, "error": message}, indent=2))
 
 
 def print_bug_box(error: Exception, argv: Sequence[str]) -> None:

@@ -7,7 +7,7 @@ import re
 import unicodedata
 
 _INVISIBLE = "\u00ad\u200b-\u200d\u2060-\u2064\ufeff"
-WORD = re.compile(rf"[^\W\d][\w\u0300-\u036f{_INVISIBLE}]*")
+WORD = re.compile(rf"[^\W\d][\w\u0300-\u036f\ufffd{_INVISIBLE}]*")
 """A word, with the accents and invisible characters that an editor may have put inside."""
 
 _SPELT = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source, Span
+from fuzzyspec.syntax import strays
 
 
 def source_from_bytes(name: str, data: bytes) -> tuple[Source, tuple[Diagnostic, ...]]:
@@ -19,16 +20,7 @@ def source_from_bytes(name: str, data: bytes) -> tuple[Source, tuple[Diagnostic,
     valid = _is_utf8(data)
     found: list[Diagnostic] = []
     if not valid:
-        at = text.find("\N{REPLACEMENT CHARACTER}")
-        found.append(
-            Diagnostic(
-                "FZ130",
-                "the file is not UTF-8",
-                Span(at, at + 1),
-                "the first byte that is not",
-                help="save it as UTF-8 in your editor",
-            )
-        )
+        found.append(strays.not_utf8(text.find(strays.BYTE)))
     if "\0" in text:
         at = text.find("\0")
         found.append(

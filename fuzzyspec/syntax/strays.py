@@ -38,6 +38,17 @@ _POWER = re.compile(r"\^[ \t]*-?[0-9]*")
 _SPACES = re.compile(r"[^\S\n]+")
 
 
+BYTE = "\N{REPLACEMENT CHARACTER}"
+"""Stands in a text where the file had a byte that is not UTF-8."""
+
+
+def not_utf8(at: int) -> Diagnostic:
+    """Tells of the first such byte."""
+    where = Span(at, at + 1)
+    help_ = "save it as UTF-8 in your editor"
+    return Diagnostic("FZ130", "the file is not UTF-8", where, "the first byte that is not", help=help_)
+
+
 def find(text: str, at: int, after_number: bool) -> Stray:
     """Says what the text at ``at``, which begins no token, may be."""
     if text.startswith("//", at):

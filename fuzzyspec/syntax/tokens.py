@@ -79,6 +79,7 @@ class _Scanner:
         self.found: list[Diagnostic] = []
         self.strays: dict[str, int] = {}
         self.first = True
+        self.bytes = False
         at = 0
         while at < len(text):
             space = _SPACE.match(text, at)
@@ -96,6 +97,11 @@ class _Scanner:
         self.strays[stray.message] = count + 1
         if count == 0:
             self.found.append(stray)
+
+    def _tell_of_byte(self, at: int) -> None:
+        if not self.bytes:
+            self.found.append(strays.not_utf8(at))
+        self.bytes = True
 
     def _counted(self) -> list[Diagnostic]:
         return [
@@ -173,7 +179,11 @@ class _Scanner:
             return self._stray(text, at)
         name, end = word.group(), word.end()
         if not name.isascii():
-            self._tell_once(_odd_name(name, Span(at, end)))
+            byte = name.find(strays.BYTE)
+            if byte < 0:
+                self._tell_once(_odd_name(name, Span(at, end)))
+            else:
+                self._tell_of_byte(at + byte)
             name = letters.plain(name)
         name = name[:MAX_NAME]
         colon = _COLON.match(text, end)
@@ -199,6 +209,9 @@ class _Scanner:
         return self._add("UNIT", factors, at, unit.end())
 
     def _stray(self, text: str, at: int) -> int:
+        if text[at] == strays.BYTE:
+            self._tell_of_byte(at)
+            return at + 1
         after_number = bool(self.tokens) and self.tokens[-1].kind in ("NUMBER", "RSQB")
         stray = strays.find(text, at, after_number)
         if stray.message:
