@@ -34,12 +34,12 @@ class Constants:
     def value(self, expr: tree.Expr) -> Value | None:
         """A constant with its dimensions, or None with a diagnostic."""
         value = Expressions(_ConstantScope(self), self.units, self.findings).number(expr)
-        return self._checked(value, expr.span)
+        return self.checked(value, expr.span)
 
     def placed(self, expr: tree.Expr, unit: Unit, where: Span, what: str) -> Fraction | None:
         """A constant of a place with a unit, counted in that unit."""
         value = Expressions(_ConstantScope(self), self.units, self.findings).placed(expr, unit, where, what)
-        value = self._checked(value, expr.span)
+        value = self.checked(value, expr.span)
         if value is None or value.constant is None:
             return None
         return unit.from_coherent(value.constant)
@@ -62,7 +62,8 @@ class Constants:
             return None
         return value.constant
 
-    def _checked(self, value: Value | None, span: Span) -> Value | None:
+    def checked(self, value: Value | None, span: Span) -> Value | None:
+        """A value that is constant and in proportion, or None with a diagnostic."""
         if value is None:
             return None
         if value.constant is None:

@@ -59,6 +59,7 @@ class _SystemChecker:
         self._decl = decl
         self._torn = torn
         self._findings = constants.findings
+        self._errors_before = constants.findings.errors
         self._report = constants.findings.report
         self._params: dict[str, Value | None] = dict(constants.params)
         params_at = {i.name.text: i.name.span for i in decl.items if isinstance(i, tree.Param)}
@@ -121,11 +122,8 @@ class _SystemChecker:
             return
         value = None
         if (None, item.name.text) not in self._cyclic:
-            found = self._scope.expressions().number(item.value)
-            if found is not None and found.constant is None:
-                self._constants.not_constant(item.value.span)
-            elif found is not None:
-                value = replace(found, bare=False)
+            found = self._constants.checked(self._scope.expressions().number(item.value), item.value.span)
+            value = None if found is None else replace(found, bare=False)
         self._params[item.name.text] = value
         self._scope.entries[item.name.text] = Known(value)
 
@@ -280,7 +278,8 @@ class _SystemChecker:
         return False
 
     def _warn_unused(self) -> None:
-        if self._torn:
+        if self._torn or self._findings.errors > self._errors_before:
+            # What could not be read may use them.
             return
         for key, target in self._lets:
             if key in self._scope.read or key in self._cyclic:

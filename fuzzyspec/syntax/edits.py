@@ -18,7 +18,6 @@ from fuzzyspec.syntax.reading import (
     keywords_as_names,
     lies_within,
     partner,
-    place,
     stack_at,
 )
 from fuzzyspec.syntax.spelling import near
@@ -148,7 +147,7 @@ def _inserted(reading: Reading, at: int) -> Iterator[Edit]:
         text = reading.table.texts[kind]
         first = kind in _FIRST_WORDS
         row = " after the row's label" if kind == "COLON" else ""
-        where = token.span if first else gap(reading, at) if kind == "COLON" else place(reading, at)
+        where = gap(reading, at) if not first and (token.first or token.kind == END or kind == "COLON") else token.span
         told = Diagnostic(
             "FZ109" if kind == "COLON" else "FZ103",
             f"expected `{text}`{row}, found {wording.found(token, reading.table)}",
