@@ -1,0 +1,558 @@
+# ruff: noqa: E501, RUF001  (long replacements; letters that look like ours)
+"""Slips that users make, each an edit of a sound spec: what is replaced, by what, and what must be told of where."""
+
+from __future__ import annotations
+
+FAN = """\
+module fan
+controller fan {
+    input  error in [-10, 10] K { partition N Z P }
+    input  rate  in [-2, 2] K/s { partition DOWN FLAT UP }
+    output duty  in [0, 100] %  { partition OFF HALF ON }
+    table duty by error, rate {
+            DOWN FLAT UP
+        N:  OFF  OFF  OFF
+        Z:  OFF  HALF HALF
+        P:  HALF ON   ON
+    }
+}
+"""
+
+RULES = """\
+module fan
+controller fan {
+    input  error in [-10, 10] K { partition N Z P }
+    input  rate  in [-2, 2] K/s { partition DOWN FLAT UP }
+    output duty  in [0, 100] %  { partition OFF HALF ON otherwise 0 % }
+    rules {
+        if error is N then duty is OFF
+        if error is Z and rate is not UP then duty is HALF with 0.8
+        if error is P or rate is UP then duty is ON
+    }
+}
+"""
+
+BEH = """\
+module bot
+controller drive {
+    input  left, front in [0, 1] { partition S M B }
+    output v in [0, 1] m/s { partition Z VS F }
+    output w in [-1, 1] rad/s { partition L C R }
+    behavior AVOID priority 2 {
+        if front is B then v is Z, w is R
+        if front is M and left in {M, B} then v is VS, w is R
+    }
+    behavior GO priority 1 {
+        if front in {S, M} then v is F, w is C
+    }
+}
+"""
+
+SYS = """\
+module nav
+controller danger {
+    input  gap in [0, 4] m { partition NEAR FAR }
+    output ddc in [0, 1]   { partition LOW HIGH }
+    table ddc by gap { NEAR: HIGH  FAR: LOW }
+}
+system nav {
+    param margin = 0.2 m
+    input x in [0, 8] m
+    input obstacles[16] {
+        distance in [0, 8] m,
+        speed    in [0, 2] m/s
+    }
+    for each o in obstacles {
+        let o.gap = max(0 m, o.distance - margin)
+        let o.ddc = danger(gap: o.gap).ddc
+    }
+    let worst = max(o.ddc for o in obstacles if o.distance < 3 m, otherwise 0)
+    output y = worst
+    output d = danger(gap: x).ddc
+}
+"""
+
+Slip = tuple[str, str, str, str]
+"""A name, what is expected (``FZ102 at 3:5, ..``), the text that is replaced, and its replacement."""
+
+SLIPS: dict[str, tuple[Slip, ...]] = {
+    FAN: (
+        ("kw_module", "FZ102 at 1:1", "module", "modul"),
+        ("kw_controller", "FZ102 at 2:1", "controller", "controler"),
+        ("kw_input", "FZ102 at 3:5", "input  error", "inputs  error"),
+        ("kw_output", "FZ102 at 5:5", "output", "outpt"),
+        ("kw_partition", "FZ102 at 3:35", "partition N", "partitoin N"),
+        ("kw_table", "FZ102 at 6:5", "table", "tabel"),
+        ("kw_by", "FZ102 at 6:16", "by", "bye"),
+        ("kw_in", "FZ102 at 3:18", "in [-10,", "im [-10,"),
+        ("no_brace_controller", "FZ103 at 2:15", "fan {\n", "fan\n    "),
+        ("no_brace_partition", "FZ103 at 3:33", "{ partition N", "partition N"),
+        ("no_close_controller", "FZ104 at 2:16", "}\n}", "}\n"),
+        ("no_colon_row", "FZ109 at 9:9", "Z:", "Z "),
+        ("no_colon_first_row", "FZ109 at 8:9", "N:", "N "),
+        ("no_comma_range", "FZ103 at 5:24", "[0,", "[0"),
+        ("no_comma_by", "FZ103 at 6:25", "error,", "error"),
+        ("no_close_range", "FZ105 at 3:21", "10]", "10"),
+        ("range_dots", "FZ101 at 5:23", "[0, 100]", "[0..100]"),
+        ("range_to", "FZ103 at 5:27", "[0,", "[0 to"),
+        ("extra_brace_end", "FZ106 at 13:1", "}\n}\n", "}\n}\n}\n"),
+        ("comment_c", "FZ107 at 2:1", "controller", "// the fan\ncontroller"),
+        ("quotes", "FZ107 at 2:12", "fan {", '"fan" {'),
+        ("unit_unknown", "FZ204 at 3:31", "K {", "kelvin {"),
+        ("unit_case", "FZ204 at 3:31", "K {", "k {"),
+        ("unit_peak", "FZ220 at 3:50", "Z P", "at -10 m, Z at 0 K, P at 10 K"),
+        ("unit_spaced", "FZ101 at 4:31", "K/s", "K / s"),
+        ("unit_declare_self", "FZ241 at 2:15", "controller", "unit tick = 3 tick\ncontroller"),
+        ("unit_declare_twice", "FZ210 at 3:6", "controller", "unit tick = 3 s\nunit tick = 4 s\ncontroller"),
+        ("unit_declare_builtin", "FZ210 at 2:6", "controller", "unit m = 3 s\ncontroller"),
+        ("unit_declare_zero", "FZ222 at 2:13", "controller", "unit tick = 0 s\ncontroller"),
+        ("unit_declare_negative", "FZ222 at 2:13", "controller", "unit tick = -2 s\ncontroller"),
+        ("unit_degc_product", "FZ221 at 4:29", "K/s", "degC/s"),
+        ("unit_power_zero", "FZ204 at 4:29", "K/s", "K/furlong^2"),
+        ("name_table_input", "FZ311 at 6:26", "rate {", "rte {"),
+        ("name_table_output", "FZ312 at 6:11", "duty by", "dity by"),
+        ("name_table_col", "FZ313 at 7:18", "{\n            DOWN FLAT UP", "{\n            DOWN FLT UP"),
+        ("name_table_row", "FZ313 at 9:9", "Z:", "Q:"),
+        ("name_table_entry", "FZ313 at 9:18", "HALF HALF", "HALV HALF"),
+        ("name_module_c", "FZ211 at 1:8", "module fan", "module int"),
+        ("name_module_cpp", "FZ211 at 1:8", "module fan", "module class"),
+        ("name_clash_case_ctrl", "FZ212 at 4:12, FZ311 at 6:26", "rate  in", "ERROR  in"),
+        ("name_twice_term", "FZ210 at 3:49, FZ313 at 10:9", "Z P }", "Z N }"),
+        ("name_output_is_input", "FZ210 at 5:12, FZ312 at 6:11", "duty  in", "error  in"),
+        ("row_short", "FZ317 at 9:9", "HALF HALF", "HALF"),
+        ("row_long", "FZ317 at 9:9", "HALF HALF", "HALF HALF HALF"),
+        ("row_twice", "FZ319 at 11:9", "ON\n    }", "ON\n        P:  HALF ON   ON\n    }"),
+        ("header_missing", "FZ110 at 7:9", "    DOWN FLAT UP\n        N:", "N:"),
+        ("entry_two", "FZ318 at 9:18", "HALF HALF", "HALF/OFF HALF"),
+        (
+            "table_empty",
+            "FZ101 at 6:32",
+            "        DOWN FLAT UP\n        N:  OFF  OFF  OFF\n        Z:  OFF  HALF HALF\n        P:  HALF ON   ON\n    }",
+            "}",
+        ),
+        ("table_dash", "FZ101 at 9:18", "HALF HALF", "-  HALF"),
+        ("table_number", "FZ101 at 9:18", "HALF HALF", "50 HALF"),
+        ("table_commas", "FZ101 at 9:16", "OFF  HALF", "OFF,  HALF,"),
+        ("table_pipes", "FZ107 at 9:17", " HALF HALF", "| HALF | HALF"),
+        ("table_three_labels", "FZ316 at 9:10", "Z:", "(Z, Z):"),
+        ("table_twice_output", "FZ314 at 6:17", "duty by", "duty, duty by"),
+        ("table_twice_input", "FZ314 at 6:32", "rate {", "rate, rate {"),
+        (
+            "no_rules",
+            "FZ328 at 2:12",
+            "    table duty by error, rate {\n            DOWN FLAT UP\n        N:  OFF  OFF  OFF\n        Z:  OFF  HALF HALF\n        P:  HALF ON   ON\n    }\n}",
+            "}",
+        ),
+        ("range_reversed", "FZ401 at 3:21", "[-10, 10]", "[10, -10]"),
+        ("range_empty", "FZ401 at 3:21", "[-10,", "[10,"),
+        ("range_one", "FZ101 at 3:24", "[-10, 10]", "[10]"),
+        ("range_three", "FZ101 at 3:28", "10]", "0, 10]"),
+        ("raw_unsigned", "FZ402 at 3:37", "{ partition N", "raw uint16 { partition N"),
+        ("raw_too_small", "FZ402 at 3:33", "{ partition N", "raw int8 step 0.01 { partition N"),
+        ("raw_unknown", "FZ208 at 3:37", "{ partition N", "raw int32 { partition N"),
+        ("raw_step_0", "FZ403 at 3:48", "{ partition N", "raw int16 step 0 { partition N"),
+        ("raw_step_neg", "FZ403 at 3:48", "{ partition N", "raw int16 step -0.01 { partition N"),
+        ("raw_step_huge", "FZ405 at 3:21", "[-10, 10] K", "[3, 10] K raw int16 step 100"),
+        ("raw_counts_same", "FZ404 at 3:33", "{ partition N", "raw uint16 5..5 { partition N"),
+        ("raw_counts_big", "FZ402 at 3:47", "{ partition N", "raw uint16 0..70000 { partition N"),
+        ("raw_counts_float", "FZ404 at 3:44", "{ partition N", "raw uint16 0.5..40 { partition N"),
+        ("raw_counts_neg", "FZ402 at 3:44", "{ partition N", "raw uint16 -5..70 { partition N"),
+        ("raw_counts_units", "FZ220 at 3:44", "{ partition N", "raw uint16 0 K..100 { partition N"),
+        ("unicode_minus", "FZ107 at 3:22", "[-10,", "[−10,"),
+        ("unicode_degree", "FZ107 at 3:31", "K {", "°C {"),
+        ("unicode_nbsp", "FZ107 at 3:10", "input  error", "input\xa0error"),
+        ("unicode_emoji", "FZ107 at 2:1", "controller", "🤖\ncontroller"),
+        ("module_no_name", "FZ101 at 1:7", "module fan", "module"),
+        ("bom_middle", "FZ107 at 2:1", "controller", "\ufeffcontroller"),
+        ("rtl", "FZ107 at 2:1", "controller", "\u202econtroller"),
+        ("combining", "FZ115 at 3:12", "error in", "érror in"),
+        ("fullwidth_digits", "FZ108 at 3:23", "[-10,", "[-１０,"),
+        ("arabic_digits", "FZ108 at 3:23", "[-10,", "[-١٠,"),
+        ("superscript", "FZ107 at 4:29", "K/s", "m²"),
+        ("micro", "FZ107 at 4:29", "K/s", "µm"),
+        ("greek_unit", "FZ107 at 4:29", "K/s", "Ω"),
+        ("ligature", "FZ115 at 2:12", "fan {", "ﬁn {"),
+        ("cyrillic_lookalike", "FZ115 at 2:1", "controller", "cоntroller"),
+        ("tiny_range", "FZ443 at 3:25", "[-10, 10]", "[0, 0.00000000000000000001]"),
+        ("huge_unit", "FZ443 at 2:15", "controller", "unit parsec = 30856775814913673000000 m\ncontroller"),
+        ("step_huge", "FZ405 at 3:21", "{ partition N", "raw int16 step 1000000 { partition N"),
+        (
+            "step_tiny",
+            "FZ443 at 3:48",
+            "{ partition N",
+            "raw int16 step 0.000000000000000000000000000000001 { partition N",
+        ),
+        ("range_div0", "FZ434 at 3:29", "10]", "1/0]"),
+        ("raw_counts_div0", "FZ434 at 3:49", "{ partition N", "raw uint16 0..1/0 { partition N"),
+        ("param_in_table", "FZ116 at 6:5", "table", "param q = 3\n    table"),
+        ("input_in_table", "FZ109 at 9:9", "Z:", "input z\n        Z:"),
+        (
+            "row_labels_right",
+            "FZ313 at 8:9, FZ313 at 8:17, FZ317 at 8:17, FZ317 at 9:9",
+            "N:  OFF  OFF  OFF",
+            "OFF OFF OFF: N",
+        ),
+        ("missing_entries_last", "FZ317 at 10:9", "HALF ON   ON", "HALF"),
+        ("last_row_no_entries", "FZ101 at 10:11", "P:  HALF ON   ON", "P:"),
+        ("unit_caret_paren", "FZ101 at 4:30", "K/s", "K/(s*s)"),
+        ("unit_trailing_slash", "FZ101 at 4:30", "K/s", "K/"),
+        ("unit_dot", "FZ101 at 4:30", "K/s", "K.s"),
+        ("degc_minus", "FZ204 at 3:31", "K {", "C {"),
+        ("percent_space", "FZ204 at 5:30", "%", "percent"),
+        ("infer_sum_table", "FZ420 at 6:13", "table", "infer { aggregate = sum }\n    table"),
+        ("infer_no_comma", "FZ103 at 6:23", "table", "infer { and = min or = max }\n    table"),
+        ("infer_colon", "FZ101 at 6:16", "table", "infer { and: min }\n    table"),
+    ),
+    RULES: (
+        ("kw_rules", "FZ102 at 6:5", "rules", "rule"),
+        ("kw_if", "FZ102 at 8:9", "if error is Z", "when error is Z"),
+        ("kw_if2", "FZ102 at 8:9", "if error is Z", "fi error is Z"),
+        ("kw_then", "FZ102 at 7:23", "then duty is OFF", "than duty is OFF"),
+        ("kw_is", "FZ101 at 7:18", "is N", "= N"),
+        ("kw_is_consequent", "FZ101 at 7:33", "is OFF", "= OFF"),
+        ("kw_with", "FZ102 at 8:60", "with", "wiht"),
+        ("kw_or", "FZ102 at 9:23", "or rate", "ro rate"),
+        ("kw_and", "FZ102 at 8:23", "and", "adn"),
+        ("kw_not", "FZ102 at 8:35", "not", "nto"),
+        ("kw_otherwise", "FZ102 at 5:57", "otherwise", "otherwize"),
+        ("no_then", "FZ103 at 7:23", "then duty is OFF", "duty is OFF"),
+        ("name_term", "FZ313 at 8:21", "Z and", "ZZ and"),
+        ("name_input", "FZ311 at 8:12", "error is Z", "eror is Z"),
+        ("name_output", "FZ312 at 8:47", "duty is HALF", "duti is HALF"),
+        ("name_term_out", "FZ313 at 8:55", "HALF with", "HALV with"),
+        ("name_term_case", "FZ313 at 8:21", "Z and", "z and"),
+        ("rule_weight_0", "FZ321 at 8:65", "0.8", "0"),
+        ("rule_weight_12", "FZ321 at 8:65", "0.8", "1.2"),
+        ("rule_weight_neg", "FZ321 at 8:65", "0.8", "-1"),
+        ("rule_weight_unit", "FZ220 at 8:65", "0.8", "0.8 m"),
+        ("rule_output_cond", "FZ311 at 7:12", "error is N", "duty is OFF"),
+        ("rule_input_conseq", "FZ312 at 7:28", "duty is OFF", "rate is UP"),
+        ("rule_else", "FZ101 at 7:40", "is OFF", "is OFF else duty is ON"),
+        ("rule_compare", "FZ101 at 7:18", "is N", "> 3"),
+        (
+            "rules_empty",
+            "FZ323 at 5:12",
+            "    if error is N then duty is OFF\n        if error is Z and rate is not UP then duty is HALF with 0.8\n        if error is P or rate is UP then duty is ON\n    }",
+            "}",
+        ),
+        ("fires_0", "FZ423 at 6:14", "rules", "fires at 0\n    rules"),
+        ("fires_2", "FZ423 at 6:14", "rules", "fires at 2\n    rules"),
+        ("fires_neg", "FZ423 at 6:14", "rules", "fires at -1/64\n    rules"),
+        ("fires_nothing", "FZ103 at 6:11", "rules", "fires 1/64\n    rules"),
+        ("fires_twice", "FZ210 at 7:5", "rules", "fires at 1/64\n    fires at 1/32\n    rules"),
+        ("infer_unknown", "FZ207 at 6:13", "rules", "infer { nand = min }\n    rules"),
+        ("infer_unknown_val", "FZ207 at 6:19", "rules", "infer { and = mean }\n    rules"),
+        ("infer_twice", "FZ210 at 6:24", "rules", "infer { and = min, and = product }\n    rules"),
+        ("infer_wavg_shapes", "FZ421 at 5:12", "rules", "infer { defuzzify = weighted_average }\n    rules"),
+        (
+            "term_outside",
+            "FZ410 at 3:35",
+            "partition N Z P",
+            "term N = triangle(11, 12, 13) term Z = triangle(-10, 0, 10) term P = triangle(0, 10, 20)",
+        ),
+        (
+            "term_tri_same",
+            "FZ414 at 3:80",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = triangle(1, 1, 1) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_tri_falls",
+            "FZ414 at 3:80",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = triangle(5, 0, -5) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_tri_two",
+            "FZ217 at 3:62",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = triangle(0, 5) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_shape",
+            "FZ206 at 3:71",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = gauss(0, 5) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_points_one",
+            "FZ217 at 3:62",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = points((0, 1)) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_points_high",
+            "FZ415 at 3:90",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = points((0, 0), (1, 1.5), (2, 0)) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_points_neg",
+            "FZ415 at 3:90",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = points((0, 0), (1, -1), (2, 0)) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_points_all0",
+            "FZ410 at 3:62",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = points((-3, 0), (2, 0)) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_points_flat",
+            "FZ101 at 3:78",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = points(0, 0, 1, 1) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_points_unsorted",
+            "FZ415 at 3:95",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = points((0, 0), (5, 1), (3, 0)) term P = ramp_up(0, 10)",
+        ),
+        ("term_singleton_input", "FZ416 at 3:35", "partition N", "singletons N"),
+        ("term_mixed", "FZ416 at 5:62", "otherwise", "term MORE = singleton(3) otherwise"),
+        ("part_one", "FZ417 at 3:35, FZ313 at 8:21, FZ313 at 9:21", "Z P }", "}"),
+        ("part_commas", "FZ101 at 3:46", "N Z", "N, Z,"),
+        ("part_half_placed", "FZ103 at 3:56", "Z P", "at -10, Z, P at 10"),
+        ("part_reversed", "FZ412 at 3:63", "Z P", "at -10, Z at 5, P at 0"),
+        ("part_equal", "FZ412 at 3:63", "Z P", "at -10, Z at 5, P at 5"),
+        ("part_outside", "FZ411 at 3:68", "Z P", "at -10, Z at 5, P at 50"),
+        ("part_full_input", "FZ413 at 3:35", "Z P }", "Z P full }"),
+        ("part_full_inner", "FZ413 at 5:45", "HALF ON", "at 10, HALF at 50, ON at 100 full"),
+        ("part_two", "FZ419 at 3:49", "Z P }", "Z partition P Q }"),
+        ("otherwise_outside", "FZ422 at 5:67", "0 %", "200 %"),
+        ("otherwise_unit", "FZ220 at 5:67", "0 %", "3 m"),
+        ("otherwise_twice", "FZ210 at 5:71", "% }", "% otherwise 5 % }"),
+        ("otherwise_input", "FZ424 at 3:51", "Z P }", "Z P otherwise 0 }"),
+        ("no_terms", "FZ233 at 3:12", "partition N Z P }", "}"),
+        ("no_terms_braces", "FZ101 at 3:32", "K { partition N Z P }", "K"),
+        ("cyrillic_term", "FZ115 at 8:55", "HALF with", "НALF with"),
+        ("rule_is_two", "FZ101 at 7:23", "then duty is OFF", "P then duty is OFF"),
+        ("rule_is_or", "FZ103 at 7:28", "then duty is OFF", "or P then duty is OFF"),
+        ("rule_term_number", "FZ101 at 7:21", "N then", "5 then"),
+        ("rule_is_very", "FZ101 at 7:26", "N then", "very N then"),
+        ("rule_parens", "FZ105 at 9:12", "error is P", "(error is P"),
+        ("rule_parens2", "FZ106 at 9:36", "UP then duty is ON", "UP) then duty is ON"),
+        ("rule_weight_brackets", "FZ101 at 8:60", "with 0.8", "[0.8]"),
+        ("rule_numbered", "FZ101 at 7:9", "if error is N", "1: if error is N"),
+        ("rule_named", "FZ101 at 7:9", "if error is N", "rule1: if error is N"),
+        ("rule_colon", "FZ101 at 7:21", "N then", "N:"),
+        (
+            "term_eq_missing",
+            "FZ103 at 3:42",
+            "partition N Z P",
+            "term N ramp_down(-10, 0) term Z = triangle(-5, 0, 5) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_brackets",
+            "FZ101 at 3:53",
+            "partition N Z P",
+            "term N = ramp_down[-10, 0] term Z = triangle(-5, 0, 5) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_no_kw",
+            "FZ103 at 3:35, FZ103 at 3:57, FZ103 at 3:80",
+            "partition N Z P",
+            "N = ramp_down(-10, 0) Z = triangle(-5, 0, 5) P = ramp_up(0, 10)",
+        ),
+        (
+            "term_colon",
+            "FZ101 at 3:41",
+            "partition N Z P",
+            "term N: ramp_down(-10, 0) term Z = triangle(-5, 0, 5) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_case",
+            "FZ206 at 3:44",
+            "partition N Z P",
+            "term N = Ramp_Down(-10, 0) term Z = triangle(-5, 0, 5) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_ramp_rev",
+            "FZ414 at 3:54",
+            "partition N Z P",
+            "term N = ramp_down(0, -10) term Z = triangle(-5, 0, 5) term P = ramp_up(0, 10)",
+        ),
+        (
+            "term_trapezoid_fall",
+            "FZ414 at 3:81",
+            "partition N Z P",
+            "term N = ramp_down(-10, 0) term Z = trapezoid(-5, 3, 0, 5) term P = ramp_up(0, 10)",
+        ),
+        ("singletons_twice", "FZ210 at 5:50, FZ313 at 8:55", "partition OFF HALF", "singletons OFF OFF"),
+        ("singletons_one", "FZ417 at 5:35, FZ313 at 8:55, FZ313 at 9:50", "partition OFF HALF ON", "singletons OFF"),
+        (
+            "singletons_outside",
+            "FZ411 at 5:53, FZ411 at 5:75",
+            "partition OFF HALF ON",
+            "singletons OFF at -5, HALF at 50, ON at 200",
+        ),
+        (
+            "singletons_centroid",
+            "FZ421 at 5:12",
+            "partition OFF HALF ON otherwise 0 %",
+            "singletons OFF HALF ON otherwise 0 % }\n    infer { defuzzify = centroid",
+        ),
+    ),
+    BEH: (
+        ("kw_behavior", "FZ102 at 6:5", "behavior AVOID", "behaviour AVOID"),
+        ("kw_priority", "FZ102 at 6:20", "priority 2", "prio 2"),
+        ("no_comma_inputs", "FZ103 at 3:17", "left,", "left"),
+        ("no_comma_consequents", "FZ103 at 7:35", "Z,", "Z"),
+        ("no_comma_set", "FZ103 at 8:38", "{M,", "{M"),
+        ("trailing_comma_inputs", "FZ101 at 3:25", "front in [0,", "front, in [0,"),
+        ("trailing_comma_set", "FZ101 at 8:41", "B}", "B,}"),
+        ("unit_deg_rad", "FZ220 at 5:48", "C R", "at -1 deg, C at 0, R at 1"),
+        ("beh_equal", "FZ304 at 10:14", "1 {", "2 {"),
+        ("beh_or", "FZ308 at 8:12", "and", "or"),
+        ("beh_not_group", "FZ308 at 8:12", "front is M and left in {M, B}", "not (front is M and left in {M, B})"),
+        ("beh_weight", "FZ309 at 11:53", "is C", "is C with 0.5"),
+        ("beh_priority_float", "FZ326 at 6:29", "2", "2.5"),
+        ("beh_twice", "FZ327 at 10:14", "GO", "AVOID"),
+        ("beh_empty", "FZ328 at 10:14", "    if front in {S, M} then v is F, w is C\n    }", "}"),
+        ("beh_no_priority", "FZ103 at 6:20", "priority 2 {", "{"),
+        ("beh_unknown_in_set", "FZ313 at 8:39", "B}", "X}"),
+        ("beh_same_set", "FZ314 at 8:39", "B}", "M}"),
+        ("beh_contradiction", "FZ315 at 8:27", "left in {M, B}", "front is B"),
+        (
+            "beh_and_rules",
+            "FZ310 at 10:5",
+            "behavior GO",
+            "rules { if front is S then v is F, w is C }\n    behavior GO",
+        ),
+        ("priority_huge", "FZ443 at 6:29", "2", "99999999999999999999999999999999999999"),
+        ("priority_div0", "FZ434 at 6:31", "2", "1/0"),
+        ("rule_and_consequent", "FZ101 at 7:35", "Z,", "Z and"),
+        ("rule_in_brackets", "FZ101 at 8:35", "{M, B}", "[M, B]"),
+        ("rule_in_parens", "FZ101 at 8:35", "{M, B}", "(M, B)"),
+        ("beh_priority_missing_num", "FZ101 at 6:29", "2 {", "{"),
+        ("beh_priority_name", "FZ201 at 6:29", "2", "high"),
+        ("beh_priority_first", "FZ101 at 6:14", "AVOID priority 2", "priority 2 AVOID"),
+    ),
+    SYS: (
+        ("kw_system", "FZ102 at 7:1", "system", "sytem"),
+        ("kw_param", "FZ102 at 8:5", "param", "parm"),
+        ("kw_let", "FZ102 at 18:5", "let worst", "lte worst"),
+        ("kw_for", "FZ102 at 14:5", "for each", "foreach"),
+        ("kw_for2", "FZ102 at 14:5", "for each", "fro each"),
+        ("kw_each", "FZ102 at 14:9", "each", "eahc"),
+        ("kw_for_fold", "FZ102 at 18:27", "for o", "fro o"),
+        ("kw_if_fold", "FZ102 at 18:46", "if", "fi"),
+        ("no_comma_fields", "FZ103 at 11:29", "8] m,", "8] m"),
+        ("no_comma_otherwise", "FZ103 at 18:66", "m, otherwise", "m otherwise"),
+        ("no_close_paren", "FZ105 at 15:24", "margin)", "margin"),
+        ("no_close_bracket_list", "FZ105 at 10:20", "obstacles[16]", "obstacles[16"),
+        ("no_equal_let", "FZ103 at 18:15", "= max(o.ddc", "max(o.ddc"),
+        ("colon_for_equal", "FZ101 at 19:13", "y =", "y:"),
+        ("arg_equal", "FZ103 at 20:27", "danger(gap: x).ddc", "danger(gap = x).ddc"),
+        ("unit_mismatch_cmp", "FZ220 at 18:62", "3 m,", "3,"),
+        ("unit_mismatch_cmp2", "FZ220 at 18:62", "m, otherwise", "s, otherwise"),
+        ("name_in_system", "FZ201 at 15:43", "margin)", "marign)"),
+        ("name_field", "FZ203 at 15:32", "o.distance -", "o.distanc -"),
+        ("name_call", "FZ202 at 20:16", "danger(gap: x).ddc", "dangr(gap: x).ddc"),
+        ("name_result", "FZ203 at 20:31", "x).ddc", "x).dcc"),
+        ("name_arg", "FZ209 at 20:23", "danger(gap: x).ddc", "danger(gp: x).ddc"),
+        ("name_list", "FZ201 at 18:36", "obstacles if", "obstacle if"),
+        ("name_list_loop", "FZ201 at 14:19, FZ203 at 18:23", "obstacles {", "obstacle {"),
+        ("name_input_c", "FZ211 at 9:11, FZ201 at 20:28", "x in", "switch in"),
+        ("name_output_c", "FZ211 at 19:12", "y =", "long ="),
+        ("name_twice_let", "FZ210 at 19:9", "worst =", "q = x\n    let q = x + q\n    output q2 = q\n    let worst ="),
+        ("name_system_as_controller", "FZ202 at 20:16", "danger(gap: x).ddc", "nav(gap: x).ddc"),
+        ("name_controller_as_value", "FZ201 at 19:16", "= worst", "= danger"),
+        ("call_no_name", "FZ216 at 20:23", "danger(gap: x).ddc", "danger(x).ddc"),
+        ("call_missing", "FZ214 at 20:16", "danger(gap: x).ddc", "danger().ddc"),
+        ("call_twice", "FZ215 at 20:31", "x).ddc", "x, gap: x).ddc"),
+        ("call_too_many", "FZ209 at 20:31", "x).ddc", "x, gop: x).ddc"),
+        ("call_no_field", "FZ246 at 20:16", "x).ddc", "x)"),
+        ("acting_without", "FZ245 at 20:36", "d =", "acting = danger(gap: x).acting\n    output d ="),
+        ("list_0", "FZ406 at 10:21", "obstacles[16]", "obstacles[0]"),
+        ("list_256", "FZ406 at 10:21", "obstacles[16]", "obstacles[256]"),
+        ("list_15", "FZ406 at 10:21", "obstacles[16]", "obstacles[1.5]"),
+        ("list_neg", "FZ406 at 10:21", "obstacles[16]", "obstacles[-1]"),
+        ("list_empty", "FZ101 at 10:21", "obstacles[16]", "obstacles[]"),
+        ("list_unit", "FZ220 at 10:21", "obstacles[16]", "obstacles[16 m]"),
+        ("list_no_fields", "FZ101 at 10:26", "    distance in [0, 8] m,\n        speed    in [0, 2] m/s\n    }", "}"),
+        ("list_input_kw", "FZ101 at 11:9", "distance in", "input distance in"),
+        ("list_field_twice", "FZ210 at 12:9", "speed", "distance"),
+        ("list_as_number", "FZ243 at 19:16", "= worst", "= obstacles.distance"),
+        ("list_itself", "FZ243 at 19:16", "= worst", "= obstacles"),
+        ("fold_no_otherwise", "FZ251 at 18:17", "m, otherwise 0)", "m)"),
+        ("fold_mean", "FZ252 at 18:17", "max(o.ddc", "mean(o.ddc"),
+        ("fold_where", "FZ101 at 18:46", "if", "where"),
+        ("fold_number_cond", "FZ247 at 18:49", "o.distance < 3 m,", "o.distance,"),
+        ("let_self", "FZ240 at 19:9", "output y", "let a = a + 1\n    output aa = a\n    output y"),
+        (
+            "let_later",
+            "FZ241 at 18:13",
+            "worst =",
+            "a = b + 1\n    let b = x / 2 m\n    output aa = a\n    let worst =",
+        ),
+        ("param_input", "FZ248 at 19:15", "output y", "param q = x * 2\n    output qq = q\n    output y"),
+        ("param_call", "FZ248 at 8:20", "0.2 m", "danger(gap: 3 m).ddc"),
+        ("let_no_element", "FZ244 at 15:13, FZ203 at 16:35", "o.gap =", "gap ="),
+        ("assign_no_let", "FZ103 at 18:5", "let worst", "worst"),
+        ("div_signs", "FZ430 at 21:20", "output d =", "input z in [-1, 1]\n    output q = x / z\n    output d ="),
+        ("div_zero_free", "FZ431 at 20:22", "d =", "q = 3 m / x\n    output d ="),
+        ("div_zero_zero", "FZ432 at 20:28", "x).ddc", "x * 1 m / x).ddc"),
+        ("div_literal", "FZ434 at 20:20", "d =", "q = x / 0\n    output d ="),
+        ("div_const", "FZ434 at 8:29", "0.2 m", "0.2 m / (3 - 3)"),
+        ("output_const", "FZ435 at 20:16", "d =", "q = 3 m\n    output d ="),
+        ("cond_as_output", "FZ247 at 20:16", "d =", "q = x > 3 m\n    output d ="),
+        ("cond_else_missing", "FZ103 at 20:28", "d =", "q = 1 if x > 3 m\n    output d ="),
+        ("cond_cstyle", "FZ107 at 20:24", "d =", "q = x > 3 m ? 1 : 0\n    output d ="),
+        ("assign_in_cond", "FZ101 at 20:23", "d =", "q = 1 if x = 3 m else 0\n    output d ="),
+        ("clamp_two", "FZ217 at 20:16", "d =", "q = clamp(x, 3 m)\n    output d ="),
+        ("system_in_controller_call_twice_dot", "FZ101 at 20:34", "x).ddc", "x).ddc.x"),
+        ("controller_in_system", "FZ116 at 8:5", "param", "controller c { }\n    param"),
+        ("input_with_terms_in_system", "FZ101 at 9:25", "x in [0, 8] m", "x in [0, 8] m { partition A B }"),
+        ("output_no_value", "FZ101 at 19:13", "y = worst", "y"),
+        ("system_no_output", "FZ232 at 7:8", "    output y = worst\n    output d = danger(gap: x).ddc\n}", "}"),
+        ("power", "FZ107 at 19:21", "= worst", "= worst^2"),
+        ("plus_sign", "FZ101 at 8:20", "0.2", "+0.2"),
+        ("exponent", "FZ108 at 8:20", "0.2", "2e-1"),
+        ("dot_number", "FZ108 at 8:20", "0.2", ".2"),
+        ("hex", "FZ108 at 8:20", "0.2", "0x20"),
+        ("huge_param", "FZ443 at 8:20", "0.2", "9999999999999999999999"),
+        ("to_rad_of_m", "FZ223 at 20:23", "d =", "q = to_rad(x)\n    output d ="),
+        ("unicode_name", "FZ115 at 9:11, FZ201 at 20:28", "x in", "größe in"),
+        ("unicode_leq", "FZ107 at 18:60", "<", "≤"),
+        ("fraction_char", "FZ107 at 8:20", "0.2", "½"),
+        ("range_input_ref", "FZ201 at 10:17", "x in [0, 8]", "z in [0, 1] m\n input x in [0, z]"),
+        ("otherwise_cond", "FZ247 at 18:77", "0)", "x > 3 m)"),
+        ("cond_in_range", "FZ101 at 9:22", "x in [0, 8] m", "x in [0, 8 if 1 > 2 else 3] m"),
+        ("nested_group", "FZ105 at 19:16", "= worst", "= (worst"),
+        ("let_keyword_name", "FZ201 at 19:16", "worst =", "for ="),
+        ("beh_in_system", "FZ116 at 8:5", "param", "behavior X priority 1 { }\n    param"),
+        ("table_in_system", "FZ116 at 8:5", "param", "table a by b { }\n    param"),
+        ("let_top", "FZ116 at 7:1", "system", "let x = 3\nsystem"),
+        ("fold_no_for", "FZ101 at 18:30", "for o in", "in"),
+        (
+            "fold_bracket",
+            "FZ101 at 18:20",
+            "max(o.ddc for o in obstacles if o.distance < 3 m, otherwise 0)",
+            "max[o.ddc for o in obstacles]",
+        ),
+        ("fold_otherwise_nocomma_val", "FZ103 at 18:67", "otherwise 0)", "0)"),
+        ("fold_var_mismatch", "FZ201 at 18:21", "o in obstacles if o.distance", "p in obstacles if p.distance"),
+        ("loop_var_list", "FZ201 at 14:27, FZ203 at 18:23", "o in obstacles {", "obstacles in o {"),
+        ("loop_missing_in", "FZ103 at 14:16", "in obstacles {", "obstacles {"),
+        ("loop_missing_each", "FZ103 at 14:9", "each o", "o"),
+        ("loop_output", "FZ116 at 16:9", "let o.ddc", "output q = o.gap\n        let o.ddc"),
+        ("loop_nested", "FZ116 at 16:9", "let o.ddc", "for each p in obstacles { let p.z = 3 }\n        let o.ddc"),
+        ("call_unclosed", "FZ105 at 20:22", "x).ddc", "x.ddc"),
+        ("call_result_missing", "FZ101 at 20:31", "x).ddc", "x)."),
+        ("output_dot", "FZ101 at 19:18", "y =", "danger.y ="),
+        ("system_calls_self", "FZ202 at 19:16", "= worst", "= nav(x: x).y"),
+        ("input_number_name", "FZ101 at 9:11, FZ201 at 20:28", "x in", "2x in"),
+        ("input_dash_name", "FZ101 at 9:16, FZ201 at 20:28", "x in", "front-left in"),
+        ("input_dot_name", "FZ101 at 9:16, FZ201 at 20:28", "x in", "front.left in"),
+        ("input_equals", "FZ101 at 9:13", "x in [0, 8] m", "x = [0, 8] m"),
+        ("input_colon", "FZ101 at 9:12", "x in", "x:"),
+        ("range_from_to", "FZ101 at 9:13", "x in [0, 8] m", "x from 0 to 8 m"),
+        ("range_inf", "FZ201 at 9:20", "x in [0, 8] m", "x in [0, inf] m"),
+        ("range_dotdot", "FZ101 at 9:16", "x in [0, 8] m", "x in 0..8 m"),
+        ("unit_parens", "FZ101 at 9:23", "x in [0, 8] m", "x in [0, 8] (m)"),
+        ("unit_quotes", "FZ107 at 9:23", "x in [0, 8] m", 'x in [0, 8] "m"'),
+    ),
+}
