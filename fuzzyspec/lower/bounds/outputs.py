@@ -36,7 +36,8 @@ class Parts:
 
 
 class CentroidBound:
-    def __init__(self, output: Output, numbers: CentroidNumbers, fires_at: float) -> None:
+    def __init__(self, output: Output, numbers: CentroidNumbers, fires_at: float, sure: bool) -> None:
+        self.sure = sure
         span = output.variable.hi - output.variable.lo
         left = float((output.integrate_lo - output.variable.lo) / span)
         right = float((output.integrate_hi - output.variable.lo) / span)
@@ -55,7 +56,9 @@ class CentroidBound:
         hi: Floats = np.where(levels.hi > 0, np.minimum(levels.hi + levels.off, 1.0), 0.0)
         middle = np.round((levels.lo + levels.hi) / 2 * DEGREE_ONE) / DEGREE_ONE
         half = np.maximum(levels.hi - middle, middle - levels.lo)
-        area_lo = np.maximum(self.area(lo), self._fired_area(hi)) - FLOAT_SLACK
+        # Where some rule always fires, the integer strength may lie below the threshold by its error.
+        reached = self.fires_at - (float(levels.off.max(initial=0.0)) if self.sure else 0.0)
+        area_lo = np.maximum(self.area(lo), self._fired_area(hi, reached)) - FLOAT_SLACK
         wide = self._support(hi)
         area_mid = self.area(middle)
         y_mid = np.where(area_mid > 0, self.moment(middle) / np.where(area_mid > 0, area_mid, 1.0), 0.5)
@@ -72,6 +75,7 @@ class CentroidBound:
         # Where no term can reach the threshold the output falls back, and no mean is taken.
         silent = (hi < self.fires_at - FLOAT_SLACK).all(axis=1)
         degrees, rounded = np.where(silent, 0.0, degrees), np.where(silent, 0.0, rounded)
+        degrees = np.where(fires_on_nothing(levels, self.fires_at, self.sure), np.inf, degrees)
         return Parts(degrees, rounded, self.tail)
 
     def area(self, levels: Floats) -> Floats:
@@ -87,10 +91,10 @@ class CentroidBound:
             total += s.sign * s.moment(s.height(levels))
         return total
 
-    def _fired_area(self, hi: Floats) -> Floats:
+    def _fired_area(self, hi: Floats, reached: float) -> Floats:
         """Some term reaches the firing threshold: the least area that this alone gives."""
         floor = np.full(len(hi), np.inf)
-        at = self.fires_at - FLOAT_SLACK
+        at = max(reached - FLOAT_SLACK, 0.0)
         for s in self.sets:
             if len(s.members) == 1:
                 own = float(s.area(np.array([at]), up=False)[0])
@@ -129,6 +133,13 @@ class CentroidBound:
         return total, area_off
 
 
+def fires_on_nothing(levels: Band, fires_at: float, sure: bool) -> npt.NDArray[np.bool_]:
+    """Boxes in which the integers may fire while exactly no rule has any strength: there is no mean to compare with."""
+    none = levels.lo.max(axis=1) <= 0
+    result: npt.NDArray[np.bool_] = none & (levels.off.max(axis=1) >= fires_at - FLOAT_SLACK) & (not sure)
+    return result
+
+
 def _lever(a: Floats, b: Floats, y: Floats) -> Floats:
     inside = ((y - a) ** 2 + (b - y) ** 2) / 2
     outside = np.abs((a + b) / 2 - y) * (b - a)
@@ -161,12 +172,12 @@ class _Set:
 
     def area(self, c: Floats, up: bool) -> Floats:
         """Area at a clip height taken to the table's grid: a bound from above or below, as area grows with height."""
-        result: Floats = self._area[_grid(c, up)]
+        result: Floats = self._area[np.where(c >= self._top, DEGREE_ONE, _grid(c, up))]
         return result
 
     def moment(self, c: Floats) -> Floats:
         """First moment about the range's low end, for a height on the grid."""
-        result: Floats = self._moment[_grid(c, False)]
+        result: Floats = self._moment[np.where(c >= self._top, DEGREE_ONE, _grid(c, False))]
         return result
 
     def errors(self, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
@@ -201,7 +212,8 @@ def _running_maxima(values: Floats) -> list[Floats]:
 
 
 class AverageBound:
-    def __init__(self, output: Output, numbers: AverageNumbers, fires_at: float) -> None:
+    def __init__(self, output: Output, numbers: AverageNumbers, fires_at: float, sure: bool) -> None:
+        self.sure = sure
         self.places = np.array([float(p) for p in numbers.places])
         self.weight_error = numbers.weight_error
         self.product_error = numbers.product_error
@@ -212,7 +224,8 @@ class AverageBound:
 
     def parts(self, levels: Band) -> Parts:
         lo = np.maximum(levels.lo - levels.off, 0.0)
-        area = np.maximum(lo.sum(axis=1), self.fires_at) - FLOAT_SLACK
+        reached = self.fires_at - (float(levels.off.max(initial=0.0)) if self.sure else 0.0)
+        area = np.maximum(lo.sum(axis=1), max(reached, 0.0)) - FLOAT_SLACK
         active = levels.hi > 0
         left = np.where(active, self.places, np.inf).min(axis=1)
         right = np.where(active, self.places, -np.inf).max(axis=1)
@@ -226,5 +239,7 @@ class AverageBound:
         reach = ((levels.hi - levels.lo) / 2 * lever).sum(axis=1) / safe
         y_lo, y_hi = np.maximum(left, y_mid - reach)[:, None], np.minimum(right, y_mid + reach)[:, None]
         lever = np.maximum(np.abs(self.places - y_lo), np.abs(self.places - y_hi))
+        area = np.maximum(area, 2.0**-1000)
         degrees = (levels.off * lever).sum(axis=1) / area
+        degrees = np.where(fires_on_nothing(levels, self.fires_at, self.sure), np.inf, degrees)
         return Parts(degrees, self.weight_error + self.product_error / area, self.tail)

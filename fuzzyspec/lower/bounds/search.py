@@ -50,8 +50,8 @@ def means(numbers: ControllerNumbers) -> tuple[CentroidBound | AverageBound, ...
     """What is known of each output's mean, whatever the errors of the inputs."""
     fires = float(numbers.fires_at)
     return tuple(
-        CentroidBound(o, n, fires) if isinstance(n, CentroidNumbers) else AverageBound(o, n, fires)
-        for o, n in zip(numbers.controller.outputs, numbers.outputs, strict=True)
+        CentroidBound(o, n, fires, sure) if isinstance(n, CentroidNumbers) else AverageBound(o, n, fires, sure)
+        for o, n, sure in zip(numbers.controller.outputs, numbers.outputs, numbers.controller.always_fires, strict=True)
         if not isinstance(n, MultilinearNumbers)
     )
 
@@ -98,8 +98,7 @@ def bound_controller(
 def _multilinear(numbers: ControllerNumbers, strengths: Strengths) -> ControllerBounds:
     """Lemma "multilinear": an interpolation moves along an input by at most its edge times the degree's error."""
     controller = numbers.controller
-    whole = Boxes(np.zeros((1, len(controller.inputs))), np.ones((1, len(controller.inputs))))
-    off = [Fraction(max(float(b.off.max()) for b in row)) for row in strengths.degrees(whole)]
+    off = [Fraction(strengths.farthest(i)) for i in range(len(controller.inputs))]
     errors: dict[str, Fraction] = {}
     reasons: dict[str, str] = {}
     certified: dict[str, bool] = {}
@@ -128,24 +127,24 @@ def _bands(numbers: ControllerNumbers, strengths: Strengths) -> tuple[DecisionBa
     """How close strengths must be for the two meanings to decide differently about them."""
     controller = numbers.controller
     whole = Boxes(np.zeros((1, len(controller.inputs))), np.ones((1, len(controller.inputs))))
-    off = [max(float(b.off.max()) for b in row) for row in strengths.degrees(whole)]
+    degrees = strengths.degrees(whole)
+    off = [max(float(b.off.max()) for b in row) for row in degrees]
     joined = max(off) if controller.infer.and_ == "min" else sum(off)
     cells = Fraction(joined) + numbers.cell_error if controller.cells is not None else Fraction(0)
-    spoken = (
-        Fraction(sum(off)) if controller.infer.and_ != "min" or controller.infer.or_ != "max" else Fraction(max(off))
-    )
-    for error in numbers.sentence_errors:
-        cells = max(cells, spoken + error)
+    for rule, error in zip(controller.sentences, numbers.sentence_errors, strict=True):
+        spoken = float(strengths.sentence(rule.antecedent, degrees).off.max())
+        cells = max(cells, Fraction(spoken) + error)
     bands: list[DecisionBand] = []
     for output, sure in zip(controller.outputs, controller.always_fires, strict=True):
         if not sure:
             width = cells + abs(numbers.fires_at - controller.fires_at)
             bands.append(DecisionBand(f"fires.{output.name}", f"whether {output.name} fires", width))
-    if controller.behaviors and cells:
+    if controller.behaviors:
         width = 2 * cells
         if not any(controller.always_fires):
             width += abs(numbers.fires_at - controller.fires_at)
-        bands.append(DecisionBand("acting", "which behavior acts", width))
+        if width:
+            bands.append(DecisionBand("acting", "which behavior acts", width))
     return tuple(bands)
 
 

@@ -78,6 +78,14 @@ class Strengths:
             found.append(row)
         return found
 
+    def farthest(self, i: int) -> float:
+        """How far an interpolation along input i can be led astray, in units of an edge; not capped at 1, since an
+        input's
+        error may reach over several terms."""
+        low, high = self.legal(i)
+        e = max(self.errors[i], low, 1 - high)
+        return float(self.numbers.degree_errors[i]) + e * max(m.steepest for m in self.terms[i])
+
     def legal(self, i: int) -> tuple[float, float]:
         """The legal raws' ends, relative to the range."""
         v = self.controller.inputs[i].variable
@@ -100,7 +108,7 @@ class Strengths:
         if self.controller.cells is not None:
             self._cells(boxes, degrees, fired)
         for number, rule in enumerate(self.controller.sentences):
-            band = self._sentence(rule.antecedent, degrees)
+            band = self.sentence(rule.antecedent, degrees)
             weight = float(rule.weight)
             rounding = float(self.numbers.sentence_errors[number])
             off = np.where(band.hi > 0, band.off * weight + rounding, 0.0)
@@ -195,16 +203,17 @@ class Strengths:
             result = Band(lo_, hi_, result.off + b.off)
         return result
 
-    def _sentence(self, node: Antecedent, degrees: list[list[Band]]) -> Band:
+    def sentence(self, node: Antecedent, degrees: list[list[Band]]) -> Band:
+        """The strength of an antecedent, before its weight."""
         match node:
             case Is(i, terms):
                 return self.either([degrees[i][t] for t in terms])
             case Not(operand):
-                b = self._sentence(operand, degrees)
+                b = self.sentence(operand, degrees)
                 return Band(1 - b.hi, 1 - b.lo, b.off)
             case And(operands):
-                return self.both([self._sentence(o, degrees) for o in operands])
+                return self.both([self.sentence(o, degrees) for o in operands])
             case Or(operands):
-                return self.either([self._sentence(o, degrees) for o in operands])
+                return self.either([self.sentence(o, degrees) for o in operands])
             case _:
                 assert_never(node)
