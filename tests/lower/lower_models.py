@@ -31,22 +31,26 @@ def rationals(lo: int, hi: int) -> st.SearchStrategy[Fraction]:
 @st.composite
 def variables(draw: st.DrawFn, name: str = "x", unit: Unit = ONE, most: int = 65535) -> Variable:
     """Any range with any raw: steps that divide it or not, counts up or down, ends that are raws or not."""
-    ctype: CType = draw(st.sampled_from(list(RAW_LIMITS)))
-    low, high = RAW_LIMITS[ctype]
     lo = draw(rationals(-50, 50))
     span = draw(st.sampled_from([Fraction(1, 1000), Fraction(1), Fraction(7), Fraction(60000)]) | rationals(1, 90))
+    return draw(over(name, lo, lo + span, unit, most))
+
+
+@st.composite
+def over(draw: st.DrawFn, name: str, lo: Fraction, hi: Fraction, unit: Unit = ONE, most: int = 65535) -> Variable:
+    """A variable of this range, with any raw."""
+    ctype: CType = draw(st.sampled_from(list(RAW_LIMITS)))
+    low, high = RAW_LIMITS[ctype]
     counts = draw(st.integers(2, min(high - low, most)) | st.just(min(high - low, most)))
     first = draw(st.integers(low, high - counts) | st.just(low))
-    backwards = draw(st.booleans())
     # The ends lie a part of a count beyond the first and last legal raw.
     below, above = (draw(st.sampled_from([0, 0, 0, Fraction(1, 3), Fraction(9, 10)])) for _ in "ab")
-    step = span / (counts + below + above)
-    if backwards:
-        origin = lo + step * (below + first + counts)
-        raw = Raw(ctype, -step, origin, first, first + counts)
+    step = (hi - lo) / (counts + below + above)
+    if draw(st.booleans()):
+        raw = Raw(ctype, -step, lo + step * (below + first + counts), first, first + counts)
     else:
         raw = Raw(ctype, step, lo + step * (below - first), first, first + counts)
-    return Variable(name, lo, lo + span, unit, raw, NOWHERE)
+    return Variable(name, lo, hi, unit, raw, NOWHERE)
 
 
 def ends_are_legal(variable: Variable) -> bool:

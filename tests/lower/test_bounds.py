@@ -57,9 +57,51 @@ def test_every_output_of_the_examples_has_a_bound(path: Path) -> None:
 # --- inputs that carry an error ----------------------------------------------------------------
 
 
+WEIGHTED = """
+module weighted
+controller averaged {
+    input  a, b in [0, 1] raw uint8 0..128 { partition L H }
+    output y in [0, 1] raw uint16 0..65535 { singletons P Q  otherwise 0 }
+    infer { and = product, or = probsum }
+    rules {
+        if a is L then y is P with 0.07
+        if b is H and a is H then y is Q with 0.043
+        if b is L or a is H then y is Q with 0.021
+    }
+}
+controller centred {
+    input  a, b in [0, 1] raw uint8 0..128 { partition L H }
+    output y in [0, 1] raw uint16 0..65535 { partition P Q R  otherwise 0 }
+    infer { or = probsum }
+    rules {
+        if a is L or b is L then y is P with 0.07
+        if b is H and a is H then y is R with 0.043
+    }
+}
+controller celled {
+    input  a, b, c, d in [0, 1] raw uint8 0..128 { partition L H }
+    output y in [0, 1] raw uint16 0..65535 { partition P Q R }
+    infer { and = product }
+    table y by a, b, c, d {
+                   L H
+        (L, L, L): P R
+        (L, L, H): Q P
+        (L, H, L): P P
+        (L, H, H): R Q
+        (H, L, L): R P
+        (H, L, H): Q Q
+        (H, H, L): P R
+        (H, H, H): R P
+    }
+}
+"""
+"""Degrees are exact here, and strengths small: what rules round by is nearly all of the error."""
+
+
 def controllers() -> list[tuple[str, Controller]]:
     """Those of the examples and workloads, and some random ones of every kind."""
     found = [(f"{p.stem}.{c.name}", c) for p in SPECS if "raw16" not in p.stem for c in load(p).module.controllers]
+    found += [(f"weighted.{c.name}", c) for c in load(WEIGHTED).module.controllers]
     for seed in range(800, 812):
         found += [(f"{seed}.{c.name}", c) for c in load(spec(seed)).module.controllers]
     return found

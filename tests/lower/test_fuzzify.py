@@ -87,16 +87,17 @@ def test_irregular_shapes(data: st.DataObject) -> None:
     holds(Input(variable, terms(own), None))
 
 
-@settings(max_examples=40)
+@settings(max_examples=60)
 @given(data=st.data())
-def test_jumps_at_raws(data: st.DataObject) -> None:
-    """Where every point is a raw, the larger value holds at each jump, and the sides begin right beside it."""
+def test_jumps_and_spikes_at_raws(data: st.DataObject) -> None:
+    """Where several points share a raw, the largest value holds there, alone if need be; the sides begin beside it."""
     variable = data.draw(variables(most=40))
     raw = variable.raw
-    counts = sorted(data.draw(st.lists(st.integers(raw.lo - 2, raw.hi + 2), min_size=2, max_size=8)))
+    few = st.integers(raw.lo - 1, min(raw.hi, raw.lo + 4) + 1)
+    counts = sorted(data.draw(st.lists(few, min_size=2, max_size=8)), reverse=raw.step < 0)
     heights = st.sampled_from([F(0), F(1), F(1, 3), F(9, 10)])
-    points = sorted(((raw.value(c), data.draw(heights)) for c in counts), key=lambda p: p[0])
-    holds(Input(variable, terms([PiecewiseLinear(tuple(points))]), None))
+    points = tuple((raw.value(c), data.draw(heights)) for c in counts)
+    holds(Input(variable, terms([PiecewiseLinear(points)]), None))
 
 
 @pytest.mark.parametrize("backwards", [False, True])
