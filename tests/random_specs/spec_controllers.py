@@ -174,7 +174,9 @@ class Controllers:
         for _ in range(self.dice.randint(2, 9)):
             chosen = sorted(self.dice.sample(range(len(outputs)), self.dice.randint(1, len(outputs))))
             then = self.consequents([outputs[o] for o in chosen])
-            weight = f" with {self.dice.choice(('0.8', '0.5', '1/3', '0.01', '1'))}" if self.dice.random() < 0.3 else ""
+            weight = ""
+            if self.dice.random() < 0.3:
+                weight = f" with {self.dice.choice(('0.8', '0.5', '1/3', 'third', '0.01', '1'))}"
             lines.append(f"    if {self.condition(labels, 3)} then {then}{weight}")
         first = next(iter(labels))
         lines += [f"    if {first} is {labels[first][0]} then {o.name} is {o.terms[0]}" for o in outputs]

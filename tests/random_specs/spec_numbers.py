@@ -30,7 +30,7 @@ SCALES: dict[str, Fraction] = {
 }
 """Coherent value of 1 of a unit, where it is not 1."""
 
-DECLARED = "unit inch = 25.4 mm\nunit tick = 0.3 deg"
+DECLARED = "unit inch = 25.4 mm\nunit tick = 0.3 deg\nparam third = 2 * (1 - 1/2) / 3"
 
 COUNTS = ("uint16 0..4095", "uint16 4095..0", "int16 -1000..1000", "uint8 0..200", "int8 100..-100", "uint8 0..3")
 
@@ -128,8 +128,8 @@ class Numbers:
             return self._step(lo, hi)
         if kind < 0.6:
             ctype = self.dice.choice(list(TYPES))
-            return f" raw {ctype}" if _legal(lo, hi, ctype) else None
-        return "" if _legal(lo, hi, "uint16" if lo >= 0 else "int16") else None
+            return f" raw {ctype}" if legal(lo, hi, ctype) else None
+        return "" if legal(lo, hi, "uint16" if lo >= 0 else "int16") else None
 
     def _step(self, lo: Fraction, hi: Fraction) -> str | None:
         """A step that need not divide the range."""
@@ -141,7 +141,7 @@ class Numbers:
         return f" raw {self.dice.choice(fitting)} step {number(step)}"
 
 
-def _legal(lo: Fraction, hi: Fraction, ctype: str) -> bool:
+def legal(lo: Fraction, hi: Fraction, ctype: str) -> bool:
     """Whether the finest power of two that fits has three legal raws or more."""
     low, high = TYPES[ctype]
     scale = Fraction(2) ** 30

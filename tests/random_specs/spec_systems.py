@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from tests.random_specs.spec_controllers import Written
-from tests.random_specs.spec_numbers import UNITS, Numbers, Ranged, coherent, number
+from tests.random_specs.spec_numbers import TYPES, UNITS, Numbers, Ranged, coherent, legal, number
 
 ZERO = Fraction(0)
 LARGEST = Fraction(10**6)
@@ -54,7 +54,8 @@ class Systems:
         self.scope = Scope()
         lines = [f"system {name} {{", "  param gain = 1.7", "  param pace = 0.43 m/s"]
         gain = Value("gain", "1", Fraction(17, 10), Fraction(17, 10))
-        self.scope.values = [gain, Value("pace", "m/s", Fraction(43, 100), Fraction(43, 100))]
+        third = Value("third", "1", Fraction(1, 3), Fraction(1, 3))
+        self.scope.values = [gain, third, Value("pace", "m/s", Fraction(43, 100), Fraction(43, 100))]
         lines += self.inputs()
         lines += self.lists(controllers)
         acting: list[str] = []
@@ -72,7 +73,9 @@ class Systems:
                 self.scope.values.append(Value(f"k{i}", value.dim, value.lo, value.hi))
         last = len(controllers) - 1
         if controllers:
-            lines.append(f"  output y = c{last}.{next(iter(controllers[-1].outputs))}")
+            name, over = next(iter(controllers[-1].outputs.items()))
+            raws = ["", ""] + [f" raw {t}" for t in TYPES if legal(over.lo, over.hi, t)]
+            lines.append(f"  output y{r.choice(raws)} = c{last}.{name}")
         lines += [f"  output who{i} = {call}.acting" for i, call in enumerate(acting) if r.random() < 0.7]
         for i in range(r.choice((1, 1, 2))):
             over = self.numbers.ranged()
