@@ -419,5 +419,6 @@ def mul_high(left: Any, right: Any) -> Any:
 def quotient(num: Any, den: Any) -> Any:
     """``floor(num * 2**16 / den)`` where ``num < den < 2**31``, else 65536."""
     small = np.less(num, den)
-    safe = np.where(small, den, 1)
+    # Lanes outside a mask may hold anything, a divisor of 0 and less among it.
+    safe = np.maximum(np.where(small, den, 1), 1)
     return np.where(small, np.left_shift(np.where(small, num, 0), 16) // safe, 65536)
