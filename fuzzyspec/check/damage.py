@@ -18,7 +18,13 @@ UNKNOWN_NAMES = frozenset({"FZ201", "FZ202", "FZ203", "FZ209", "FZ311", "FZ312",
 _MISPLACED = frozenset({"FZ210", "FZ212", "FZ214", "FZ244", "FZ250", "FZ328"})
 """Codes about what stands beside what, which tells little where a declaration is torn."""
 
-_DECLARING = "controller|system|module|unit|param|input|output|let|term|partition|singletons|behavior|each"
+_DECLARING = re.compile(
+    r"\b(?:controller|system|module|unit|param|input|output|let|term|partition|singletons|behavior|each)\b"
+)
+_WORD = re.compile(r"\w+")
+_PIECE = re.compile(r"\w+|[^\w\s]")
+_PLACED = re.compile(r"\b(\w+)\s+at\b")
+_RANGED = re.compile(r"\s+in\s*\[")
 
 
 class Damage:
@@ -29,6 +35,7 @@ class Damage:
         self._spans = [d.span for d in parse_diagnostics if d.severity == "error"]
         self._lines = {line for span in self._spans for line in self._lines_of(span)}
         self._torn = [i.span for i in module.items if self.tears(i.span)]
+        self._declared: set[str] | None = None
 
     def __bool__(self) -> bool:
         return bool(self._spans)
@@ -58,8 +65,31 @@ class Damage:
 
     def _declares(self, name: str) -> bool:
         """Whether the text seems to declare a name, in a line that may not have made it into the tree."""
-        word = rf"\b{re.escape(name)}\b"
-        patterns = (rf"\b(?:{_DECLARING})\b[^\n#=]*{word}", rf"{word}(?:\s*,\s*\w+)*\s+in\s*\[", rf"{word}\s+at\b")
-        if any(re.search(word, self._source.line(n)) for n in self._lines):
-            return True
-        return any(re.search(p, self._source.text) for p in patterns)
+        if self._declared is None:
+            self._declared = _declared(self._source.text).union(
+                *(_WORD.findall(self._source.line(n)) for n in self._lines)
+            )
+        return name in self._declared
+
+
+def _declared(text: str) -> set[str]:
+    """Names behind a declaring keyword, before `in [` and before `at`."""
+    found: set[str] = set()
+    for line in text.splitlines():
+        declaring = _DECLARING.search(line)
+        if declaring:
+            found.update(_WORD.findall(re.split("[#=]", line[declaring.end() :], maxsplit=1)[0]))
+    found.update(_PLACED.findall(text))
+    for ranged in _RANGED.finditer(text):
+        found.update(_names_before(text, ranged.start()))
+    return found
+
+
+def _names_before(text: str, at: int) -> list[str]:
+    """The list of names, with commas between, that ends at a place."""
+    names: list[str] = []
+    for piece in reversed(_PIECE.findall(text, max(0, at - 2_000), at)):
+        if (piece == ",") != bool(len(names) % 2):
+            break
+        names.append(piece)
+    return names

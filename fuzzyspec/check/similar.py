@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from itertools import islice
+
+_MOST = 300
+"""Known names that are looked at; a file with more has other worries than a slow search."""
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """The known name most like ``name``, or None where none is much like it. Case alone never keeps them apart."""
-    candidates = list(known)
+    candidates = list(islice(known, _MOST))
     for candidate in candidates:
         if candidate.lower() == name.lower():
             return candidate
@@ -32,7 +36,7 @@ def listing(names: Iterable[str], most: int = 12) -> str:
 
 def hint(name: str, known: Iterable[str], kind: str) -> str:
     """The help of an unknown name: its likeliest meaning, else what there is to choose from."""
-    names = list(dict.fromkeys(known))
+    names = list(dict.fromkeys(islice(known, _MOST)))
     guess = did_you_mean(name, names)
     if guess is not None:
         return guess

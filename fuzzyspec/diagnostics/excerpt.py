@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 from fuzzyspec.diagnostics.diagnostic import Source, Span
@@ -70,6 +71,7 @@ def columns(char: str) -> int:
     return 2 if unicodedata.east_asian_width(char) in "WF" else 1
 
 
+@lru_cache(maxsize=4)
 def display(line: str) -> str:
     """A line as it is shown: tabs as spaces, control characters by a stand-in of the same width.
 
@@ -90,9 +92,19 @@ def display(line: str) -> str:
     return "".join(shown)
 
 
+@lru_cache(maxsize=4)
+def _starts(line: str) -> tuple[int, ...]:
+    """The display column of each character of a source line, and of its end; kept, for many marks share a line."""
+    starts = [0]
+    for char in line:
+        width = _TAB - starts[-1] % _TAB if char == "\t" else columns(char)
+        starts.append(starts[-1] + width)
+    return tuple(starts)
+
+
 def _column(line: str, index: int) -> int:
     """The display column at which the character at ``index`` of a source line begins."""
-    return sum(columns(c) for c in display(line[:index]))
+    return _starts(line)[min(index, len(line))]
 
 
 def _stroke(source: Source, mark: Mark) -> tuple[int, _Stroke]:
@@ -104,7 +116,7 @@ def _stroke(source: Source, mark: Mark) -> tuple[int, _Stroke]:
     if last == number:
         end = _column(line, last_column - 1)
         return number, _Stroke(start, max(end, start + 1), mark.text, mark.primary)
-    end = _column(line.split("#")[0].rstrip() or line, len(line))
+    end = _column(line, len(line.split("#")[0].rstrip()) or len(line))
     to = f"(to line {last})"
     return number, _Stroke(start, max(end, start + 1), f"{mark.text} {to}" if mark.text else to, mark.primary)
 

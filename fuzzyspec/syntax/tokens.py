@@ -15,6 +15,8 @@ from fuzzyspec.syntax.table import load
 
 MAX_DIGITS = 40
 """Digits of one number."""
+MAX_ODD = 50
+"""Numbers and units written in no form of ours that are told of one by one."""
 MAX_NAME = 200
 """Characters of one name that are kept; far more than the checker allows, and few enough for a message."""
 
@@ -80,6 +82,8 @@ class _Scanner:
         self.strays: dict[str, int] = {}
         self.first = True
         self.bytes = False
+        self.odd = 0
+        self.last_odd: Diagnostic | None = None
         at = 0
         while at < len(text):
             space = _SPACE.match(text, at)
@@ -90,6 +94,13 @@ class _Scanner:
             at = self._token(text, at)
         self._add(END, "", len(text), len(text))
         return self.tokens, self._counted()
+
+    def _tell(self, odd: Diagnostic) -> None:
+        """A number or unit in a form of its own; of many, the first ones."""
+        self.odd += 1
+        if self.odd <= MAX_ODD:
+            self.found.append(odd)
+            self.last_odd = odd
 
     def _tell_once(self, stray: Diagnostic) -> None:
         """A habit shows on every line; it is told of at the first."""
@@ -104,12 +115,13 @@ class _Scanner:
         self.bytes = True
 
     def _counted(self) -> list[Diagnostic]:
-        return [
-            replace(d, notes=(f"{more} more of these in this file",))
-            if (more := self.strays.get(d.message, 1) - 1)
-            else d
-            for d in self.found
-        ]
+        return [replace(d, notes=(note,)) if (note := self._note(d)) else d for d in self.found]
+
+    def _note(self, told: Diagnostic) -> str:
+        if told is self.last_odd and self.odd > MAX_ODD:
+            return f"{self.odd - MAX_ODD} more like these in this file"
+        more = self.strays.get(told.message, 1) - 1
+        return f"{more} more of these in this file" if more else ""
 
     def _add(self, kind: str, text: str, start: int, end: int) -> int:
         self.tokens.append(Token(kind, text, start, end, self.first))
@@ -144,12 +156,12 @@ class _Scanner:
         assert odd is not None
         digits = letters.digits(odd.group())
         help_ = f"write `{_shown(digits)}`"
-        self.found.append(Diagnostic("FZ108", "digits of another script", Span(*odd.span()), help=help_))
+        self._tell(Diagnostic("FZ108", "digits of another script", Span(*odd.span()), help=help_))
         return self._bounded_number(digits, at, odd.end())
 
     def _odd_number(self, odd: re.Match[str]) -> int:
         digits, help_ = strays.mend_number(odd.group(), MAX_DIGITS)
-        self.found.append(
+        self._tell(
             Diagnostic(
                 "FZ108", f"`{_shown(odd.group())}` is not how a number is written", Span(*odd.span()), help=help_
             )
@@ -158,7 +170,7 @@ class _Scanner:
 
     def _bounded_number(self, digits: str, start: int, end: int) -> int:
         if len(digits) > MAX_DIGITS:
-            self.found.append(
+            self._tell(
                 Diagnostic(
                     "FZ122",
                     f"a number of {len(digits)} digits",
@@ -196,7 +208,7 @@ class _Scanner:
         word = letters.WORD.match(text, at)
         if word is not None and (unit is None or word.end() > unit.end()):
             span = Span(at, word.end())
-            self.found.append(strays.odd_unit(word.group(), span))
+            self._tell(strays.odd_unit(word.group(), span))
             return self._add("UNIT", strays.plain_unit(word.group()), at, word.end())
         assert unit is not None
         factors = unit.group()
@@ -204,7 +216,7 @@ class _Scanner:
             told = Diagnostic(
                 "FZ108", "a power of more than two digits", Span(*unit.span()), help="write a unit such as `m/s^2`"
             )
-            self.found.append(told)
+            self._tell(told)
             factors = _LONG_POWER.sub("", factors)
         return self._add("UNIT", factors, at, unit.end())
 
