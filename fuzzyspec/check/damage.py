@@ -15,7 +15,7 @@ from fuzzyspec.syntax.tokens import MISSING
 UNKNOWN_NAMES = frozenset({"FZ201", "FZ202", "FZ203", "FZ209", "FZ311", "FZ312", "FZ313"})
 """Codes about a name that is not declared; the span is the name."""
 
-_MISPLACED = frozenset({"FZ210", "FZ212", "FZ214", "FZ244", "FZ250", "FZ328"})
+_MISPLACED = frozenset({"FZ210", "FZ212", "FZ214", "FZ241", "FZ244", "FZ250", "FZ328"})
 """Codes about what stands beside what, which tells little where a declaration is torn."""
 
 _DECLARING = re.compile(

@@ -128,6 +128,7 @@ class RuleNames:
                 f"{kind} `{variable.name}` has no term `{name.text}`",
                 name.span,
                 label="no such term",
+                labels=(Label(variable.variable.span, "declared here"),),
                 help=self._way_out(kind, variable.name, name.text, known),
             )
         )

@@ -18,6 +18,7 @@ from fuzzyspec.syntax.reading import (
     keywords_as_names,
     lies_within,
     partner,
+    place,
     stack_at,
 )
 from fuzzyspec.syntax.spelling import near
@@ -55,6 +56,7 @@ def candidates(reading: Reading, index: int) -> Iterator[Edit]:
     yield from habits.decimal_comma(reading, index)
     yield from habits.brace_too_many(reading, index)
     yield from habits.set_without_braces(reading, index)
+    yield from habits.undeclared(reading, index)
     yield from habits.unit_in_brackets(reading, index)
     yield from _closed(reading, index)
     yield from _inserted(reading, index)
@@ -140,6 +142,8 @@ def _inserted(reading: Reading, at: int) -> Iterator[Edit]:
         arguments = kind == "LPAR" and token.kind == "LABEL"
         if kind in ("LPAR", "LSQB") and (in_points or not (arguments or _closes_ahead(reading, at, kind))):
             continue
+        if kind == "AND" and token.first:
+            continue
         if kind in ("CONTROLLER", "SYSTEM") and (kind == "SYSTEM") != _computes(reading.tokens, at):
             continue
         if (kind == "SLASH" and arithmetic) or (kind == "OTHERWISE" and cell.symbol != "COMMA"):
@@ -147,7 +151,8 @@ def _inserted(reading: Reading, at: int) -> Iterator[Edit]:
         text = reading.table.texts[kind]
         first = kind in _FIRST_WORDS
         row = " after the row's label" if kind == "COLON" else ""
-        where = gap(reading, at) if not first and (token.first or token.kind == END or kind == "COLON") else token.span
+        behind = kind == "COLON" or (kind == "COMMA" and token.first)
+        where = token.span if first else gap(reading, at) if behind else place(reading, at)
         told = Diagnostic(
             "FZ109" if kind == "COLON" else "FZ103",
             f"expected `{text}`{row}, found {wording.found(token, reading.table)}",
@@ -177,7 +182,7 @@ def _computes(tokens: list[Token], at: int) -> bool:
 def _closes_ahead(reading: Reading, at: int, opener: str) -> bool:
     """Whether the rest of the line holds the partner of a bracket that may have been left out."""
     depth = 0
-    for i in range(at, min(at + 24, len(reading.tokens))):
+    for i in range(at, min(at + 64, len(reading.tokens))):
         token = reading.tokens[i]
         if (token.first and i > at) or (token.kind in OPENERS and i == at):
             return False

@@ -99,3 +99,36 @@ def unit_in_brackets(reading: Reading, at: int) -> Iterator[Edit]:
     span = Span(token.start, reading.tokens[end].end)
     told = Diagnostic("FZ101", "a unit stands in brackets", span, f"write `{inside}`")
     yield Edit(at, told, 0.5, (token._replace(kind="UNIT", text=inside, end=span.end),), end - at + 1)
+
+
+def undeclared(reading: Reading, at: int) -> Iterator[Edit]:
+    """``x in [0, 1] { .. }`` without its ``input`` or ``output``."""
+    cell = stack_at(reading, at)
+    if reading.tokens[at].kind != "WORD" or "INPUT" not in viable(reading.table, cell):
+        return
+    end = at + 1
+    while [t.kind for t in reading.tokens[end : end + 2]] == ["COMMA", "WORD"]:
+        end += 2
+    ahead = reading.tokens[end : end + 2]
+    if len(ahead) < 2 or ahead[0].text != "in" or ahead[1].kind != "LSQB":
+        return
+    told = Diagnostic(
+        "FZ103",
+        f"expected `input` or `output`, found {wording.found(reading.tokens[at], reading.table)}",
+        reading.tokens[at].span,
+        "one of them is missing before this",
+    )
+    text = "output" if _looks_like_output(reading, end) else "input"
+    keyword = made(reading.table, text.upper(), reading.tokens[at].start)._replace(kind="WORD", text=text)
+    yield Edit(at, told, 0.8, (keyword,))
+
+
+def _looks_like_output(reading: Reading, at: int) -> bool:
+    """Whether the terms of a variable are such as only outputs have, or it has a value."""
+    for i in range(at, len(reading.tokens)):
+        token = reading.tokens[i]
+        if token.kind in ("EQUAL", "LBRACE") or (token.first and token.text in ("input", "output", "let")):
+            end = partner(reading.tokens, i) if token.kind == "LBRACE" else None
+            inside = {t.text for t in reading.tokens[i:end]} if end is not None else set()
+            return token.kind == "EQUAL" or bool(inside & {"otherwise", "full", "singletons", "singleton"})
+    return False

@@ -31,7 +31,7 @@ def parse(source: Source) -> tuple[tree.Module, tuple[Diagnostic, ...]]:
         return _nothing(source), (*found, _empty(source))
     reading = _Reading(source, tokens)
     module = reading.run()
-    found += _capitals_once(reading.found)
+    found += _alike_once(reading.found)
     if problem := limits.too_deep(module):
         return _nothing(source), (*_sorted(found), problem)
     if module.name is None and not any(d.span.start <= tokens[0].end for d in found):
@@ -45,15 +45,28 @@ def _sorted(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     return tuple(sorted(found, key=lambda d: (d.span, d.code)))
 
 
-def _capitals_once(found: list[Diagnostic]) -> list[Diagnostic]:
-    """Whoever writes one keyword in capitals writes all: told at the first."""
-    capitals = [d for d in found if d.help == CAPITALS]
-    more = len(capitals) - 1
-    if more < 1:
-        return found
-    note = f"{more} more keyword{'s' if more > 1 else ''} in capitals in this file"
-    first = replace(capitals[0], notes=(*capitals[0].notes, note))
-    return [first if d is capitals[0] else d for d in found if d is capitals[0] or d.help != CAPITALS]
+def _alike_once(found: list[Diagnostic]) -> list[Diagnostic]:
+    """Whoever writes one keyword in capitals writes all, and what lost its block stands wrong as a whole: told once."""
+    alike: dict[str, list[Diagnostic]] = {}
+    kept: list[Diagnostic] = []
+    for d in found:
+        cause = CAPITALS if d.help == CAPITALS else d.message if d.code == "FZ116" else ""
+        if cause:
+            alike.setdefault(cause, []).append(d)
+        if not cause or len(alike[cause]) == 1:
+            kept.append(d)
+    return [_counting(d, alike.get(CAPITALS if d.help == CAPITALS else d.message, [d])) for d in kept]
+
+
+def _counting(first: Diagnostic, alike: list[Diagnostic]) -> Diagnostic:
+    more = len(alike) - 1
+    if not more:
+        return first
+    if first.help == CAPITALS:
+        note = f"{more} more keyword{'s' if more > 1 else ''} in capitals in this file"
+    else:
+        note = f"the same in {more} other place{'s' if more > 1 else ''}"
+    return replace(first, notes=(*first.notes, note))
 
 
 def _nothing(source: Source) -> tree.Module:
