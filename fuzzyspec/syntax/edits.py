@@ -67,6 +67,8 @@ def candidates(reading: Reading, index: int) -> Iterator[Edit]:
     yield from _emptied(reading, index)
     if index > 0:
         yield from _misspelt(reading, index - 1)
+        yield from _misspelt_before(reading, index)
+        yield from habits.misspelt_points(reading, index)
         yield from _unit_as_name(reading, index)
         yield from _unit_as_keyword(reading, index)
     for j in keywords_as_names(reading, index):
@@ -96,6 +98,18 @@ def _misspelt(reading: Reading, at: int) -> Iterator[Edit]:
             "FZ102", message, token.span, f"write `{text}`", help=_HINTS.get(kind) if kind != "IF" else None
         )
         yield Edit(at, told, 2.0, (token._replace(text=text),), 1)
+
+
+def _misspelt_before(reading: Reading, at: int) -> Iterator[Edit]:
+    """A keyword that was read as a name two or three tokens ago: ``B otherwsie hold initial 0``."""
+    for j in range(max(1, at - 3), at - 1):
+        token = reading.tokens[j]
+        if token.kind == "WORD" and not token.made and token.text not in reading.table.keywords:
+            kinds = viable(reading.table, stack_at(reading, j)) & BEGINS
+            for text in near(token.text, [t for t, kind in reading.table.keywords.items() if kind in kinds]):
+                message = f"expected {wording.listed(reading.table, kinds)}, found `{token.text}`"
+                told = Diagnostic("FZ102", message, token.span, f"did you mean `{text}`?")
+                yield Edit(j, told, 1.0, (token._replace(text=text),), 1)
 
 
 def _closed(reading: Reading, at: int) -> Iterator[Edit]:
@@ -308,15 +322,14 @@ def _unit_as_name(reading: Reading, at: int) -> Iterator[Edit]:
 
 
 def _unit_as_keyword(reading: Reading, at: int) -> Iterator[Edit]:
-    """A misspelt keyword that begins a line and was read as the unit of the number before: ``b / 2``, ``ouput c``."""
+    """A misspelt keyword that was read as a number's unit: ``let a = b / 2``, ``ouput c = a``; ``[0, 1] arw int8``."""
     unit = reading.tokens[at - 1]
-    cell = stack_at(reading, at - 1)
-    if unit.kind != "UNIT" or not unit.first:
+    if unit.kind != "UNIT" or unit.made:
         return
-    kinds = viable(reading.table, cell) & BEGINS
+    kinds = viable(reading.table, stack_at(reading, at - 1)) & (BEGINS if unit.first else frozenset({"RAW", "STEP"}))
     for text in near(unit.text, [t for t, kind in reading.table.keywords.items() if kind in kinds]):
         case = CAPITALS if text == unit.text.lower() else None
-        message = f"expected an item, found `{unit.text}`"
+        message = f"expected {'an item' if unit.first else f'`{text}`'}, found `{unit.text}`"
         told = Diagnostic("FZ102", message, unit.span, f"did you mean `{text}`?", help=case)
         yield Edit(at - 1, told, SURE if case else 0.5, (unit._replace(kind="WORD", text=text),), 1)
 

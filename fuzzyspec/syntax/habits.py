@@ -11,6 +11,7 @@ from fuzzyspec.syntax.findings import unexpected
 from fuzzyspec.syntax.hints import number_with_comma
 from fuzzyspec.syntax.machine import made, opened, viable
 from fuzzyspec.syntax.reading import BEGINS, Reading, partner, stack_at
+from fuzzyspec.syntax.spelling import near
 from fuzzyspec.syntax.tokens import UNIT
 
 _MEANT = {
@@ -132,3 +133,19 @@ def _looks_like_output(reading: Reading, at: int) -> bool:
             inside = {t.text for t in reading.tokens[i:end]} if end is not None else set()
             return token.kind == "EQUAL" or bool(inside & {"otherwise", "full", "singletons", "singleton"})
     return False
+
+
+def misspelt_points(reading: Reading, at: int) -> Iterator[Edit]:
+    """``pionts((0, 0), (1, 1))``: of all shapes only `points` takes pairs, so its name has to be right."""
+    brackets = opened(stack_at(reading, at))
+    if [c.symbol for c in brackets[:2]] != ["LPAR", "LPAR"]:
+        return
+    near_by = range(max(1, at - 64), at)
+    outer = next((i for i in near_by if reading.tokens[i].start == brackets[1].start), None)
+    if outer is None or reading.tokens[outer - 1].kind != "WORD":
+        return
+    name = reading.tokens[outer - 1]
+    if name.text != "points" and near(name.text, ["points"]):
+        message = f"expected a shape that takes pairs, found `{name.text}`"
+        told = Diagnostic("FZ102", message, name.span, "did you mean `points`?")
+        yield Edit(outer - 1, told, 0.5, (name._replace(text="points"),), 1)
