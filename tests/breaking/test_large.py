@@ -10,7 +10,9 @@ from fuzzyspec.check import check, findings, sizes
 from fuzzyspec.diagnostics.diagnostic import Source
 from fuzzyspec.diagnostics.render import render
 from fuzzyspec.syntax import limits, parse
-from tests.breaking.slips import BEH, FAN, RULES, SYS
+from tests.breaking.slips_rules import BEH, RULES
+from tests.breaking.slips_systems import SYS
+from tests.breaking.slips_tables import FAN
 
 SIZE = 60_000
 

@@ -48,6 +48,8 @@ def operands(draw: st.DrawFn, name: str, low: int = INT32_MIN, high: int = UINT3
 def computed(node: Expr, left: Operand, right: Operand) -> list[int]:
     """What ``run`` makes of the node for every pair of values, each held against the interval that the node claims."""
     pairs = [(a, b) for a in left.values for b in right.values]
+    if isinstance(node, Const):  # folded in Python's integers, of any size: what uses it is refused if it must be
+        return [node.value] * len(pairs)
     ports, body, inputs = [], [], {}
     for operand, values in ((left, [a for a, _ in pairs]), (right, [b for _, b in pairs])):
         if isinstance(operand.expr, Local):

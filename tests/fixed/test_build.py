@@ -58,6 +58,8 @@ def corners(meaning: Meaning, left: Expr, right: Expr) -> list[int]:
 @given(left=operands("a"), right=operands("b"))
 @example(Operand(Local("a", "uint32", 0, UINT32_MAX), (0, UINT32_MAX)), Operand(Const(-1), (-1,)))
 @example(Operand(Const(-5), (-5,)), Operand(Local("b", "uint32", 5, UINT32_MAX), (5, UINT32_MAX)))
+@example(Operand(Const(2**31), (2**31,)), Operand(Const(UINT32_MAX), (UINT32_MAX,)))
+@example(Operand(Const(UINT32_MAX), (UINT32_MAX,)), Operand(Const(UINT32_MAX), (UINT32_MAX,)))
 def test_arithmetic_has_the_tightest_interval_or_is_refused(name: str, left: Operand, right: Operand) -> None:
     """Sums, differences, products get exactly the interval of their values, or a RangeError where no type holds it."""
     constructor, meaning = ARITHMETIC[name]
