@@ -1,4 +1,3 @@
-
 """Slips in a system with a list."""
 
 from __future__ import annotations
