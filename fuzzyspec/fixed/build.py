@@ -17,6 +17,7 @@ from fuzzyspec.fixed.program import (
     CompareOp,
     Const,
     CType,
+    Division,
     Expr,
     Greatest,
     Least,
@@ -252,12 +253,11 @@ def mul_high(left: Expr, right: Expr) -> Expr:
     return MulHigh(left, right, (left.lo * right.lo) >> 16, (left.hi * right.hi) >> 16)
 
 
-def quotient(num: Expr, den: Expr, divides: bool = False) -> Expr:
-    """The kernel ``floor(num * 2**16 / den)``, 65536 from ``num >= den`` on; ``divides`` tells of a hardware
-    division."""
+def quotient(num: Expr, den: Expr, division: Division = "loop") -> Expr:
+    """The kernel ``floor(num * 2**16 / den)``, 65536 from ``num >= den`` on."""
     if num.lo < 0 or den.lo < 0 or den.hi >= 2**31 or num.hi > UINT32_MAX:
         raise RangeError("the quotient's divisor must stay below 2**31")
-    return Quotient(num, den, (8 if den.hi < 2**24 else 4 if den.hi < 2**28 else 1) if divides else 1)
+    return Quotient(num, den, (8 if den.hi < 2**24 else 4 if den.hi < 2**28 else 1) if division == "hardware" else 1)
 
 
 def compare(op: CompareOp, left: Expr, right: Expr) -> Test:

@@ -16,6 +16,8 @@ from fuzzyspec.model.controller import Behavior
 from fuzzyspec.model.variable import Variable
 
 CType = Literal["uint8", "int8", "uint16", "int16", "uint32", "int32"]
+Division = Literal["loop", "hardware"]
+"""How the quotient kernel divides: bit by bit, or digit by digit with the machine's own division."""
 BinaryOp = Literal["+", "-", "*", "/", ">>", "<<", "&", "|", "^"]
 CompareOp = Literal["<", "<=", ">", ">=", "==", "!="]
 

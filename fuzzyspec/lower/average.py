@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from fuzzyspec.fixed import build
-from fuzzyspec.fixed.program import Assign, Comment, Const, Define, Expr, Local, Stmt
+from fuzzyspec.fixed.program import Assign, Comment, Const, Define, Division, Expr, Local, Stmt
 from fuzzyspec.lower.fire import Firing
-from fuzzyspec.lower.machine import Machine
 from fuzzyspec.lower.mean import Tail, mean_to_raw
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Output
@@ -32,7 +31,7 @@ class AverageNumbers:
 
 
 def average(
-    output: Output, index: int, firing: Firing, machine: Machine, scope: Scope
+    output: Output, index: int, firing: Firing, division: Division, scope: Scope
 ) -> tuple[list[Stmt], Expr, AverageNumbers]:
     """Statements and the output's raw from its level array."""
     name = output.name
@@ -68,6 +67,6 @@ def average(
             value = build.mul(part, Const(weight)) if exact else build.mul_high(part, Const(weight))
             body.append(Assign(moment, build.add_bounded(moment, value, moment.hi)))
     divisor = build.mul(area, Const(denominator if exact else 1))
-    steps, raw, tail = mean_to_raw(output.variable, moment, divisor, machine, scope)
+    steps, raw, tail = mean_to_raw(output.variable, moment, divisor, division, scope)
     products = 0.0 if exact else len(places) / float(firing.one << lift)
     return body + steps, raw, AverageNumbers(tuple(places), float(worst), products, tail)

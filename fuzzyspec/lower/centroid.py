@@ -19,6 +19,7 @@ from fuzzyspec.fixed.program import (
     Comment,
     Const,
     Define,
+    Division,
     Element,
     Expr,
     Local,
@@ -29,7 +30,6 @@ from fuzzyspec.fixed.program import (
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
 from fuzzyspec.lower.even import EvenOutput, even_output
 from fuzzyspec.lower.lines import DEGREE_ONE
-from fuzzyspec.lower.machine import Machine
 from fuzzyspec.lower.mean import Tail, mean_to_raw
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.sets import Floats, Scale, evaluate, scale_of
@@ -72,7 +72,7 @@ class _Group:
 
 
 def centroid(
-    output: Output, levels: str, machine: Machine, scope: Scope
+    output: Output, levels: str, division: Division, scope: Scope
 ) -> tuple[list[Stmt], Expr, list[Table], CentroidNumbers]:
     """Statements, the output's raw, tables and numbers, from the array ``levels`` of clip heights (Q15, a slot a term).
 
@@ -111,7 +111,7 @@ def centroid(
     bound = Local(scope.name(f"{name}_a"), "uint32", 0, area.hi)
     body.append(Define(bound, area, True))
     divisor = build.mul(bound, Const(scale.weight_denominator if scale.exact else 1))
-    steps, raw, tail = mean_to_raw(output.variable, moment, divisor, machine, scope)
+    steps, raw, tail = mean_to_raw(output.variable, moment, divisor, division, scope)
     return body + steps, raw, tables, CentroidNumbers(tuple(numbers), tail)
 
 

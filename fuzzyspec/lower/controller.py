@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import (
@@ -33,19 +32,15 @@ from fuzzyspec.lower.centroid import CentroidNumbers, centroid
 from fuzzyspec.lower.fire import DEGREE_BITS, Firing, fire
 from fuzzyspec.lower.fuzzify import fuzzify
 from fuzzyspec.lower.lines import DEGREE_ONE
-from fuzzyspec.lower.machine import MACHINES, Machine
 from fuzzyspec.lower.masks import Means, fire_masks
 from fuzzyspec.lower.masks import applies as masks_apply
-from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.minors import fire_minors
 from fuzzyspec.lower.multilinear import MultilinearNumbers, interpolate
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
 from fuzzyspec.lower.scope import Scope
+from fuzzyspec.lower.strategy import Strategy
 from fuzzyspec.model.controller import Controller, Output
 from fuzzyspec.model.variable import Variable
-
-Goal = Literal["speed", "balanced", "size"]
-"""What the strategies are chosen for."""
 
 
 @dataclass(frozen=True)
@@ -88,18 +83,16 @@ def saturated(variable: Variable, given: Expr, name: str, bit: str, scope: Scope
     return body, legal
 
 
-def lower_controller(
-    controller: Controller, optimize: Goal = "balanced", machine: Machine = MACHINES["generic"]
-) -> tuple[Function, ControllerNumbers]:
-    """Choose the strategies for ``optimize`` and lower. Raises RangeError and TooManySets where the integers do
-    not go."""
+def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Function, ControllerNumbers]:
+    """Lower by a strategy that applies (``lower.choice``). Raises RangeError and TooManySets where the integers do not
+    go into 32 bits."""
     scope = Scope()
     body: list[Stmt] = []
     status: list[StatusBit] = []
     degrees = []
-    evens = None if optimize == "size" else masks_apply(controller, machine)
+    evens = masks_apply(controller) if strategy.rules == "levels" else None
     linear = multilinear_applies(controller)
-    bare = linear or (optimize != "size" and minors_apply(controller))
+    bare = linear or strategy.rules != "loops"
     for item in controller.inputs:
         variable = item.variable
         low, high = build.LIMITS[variable.raw.ctype]
@@ -116,10 +109,12 @@ def lower_controller(
     means: Means | list[tuple[list[Stmt], Expr, MultilinearNumbers]] | None = None
     if evens is not None and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
-        means = fire_masks(controller, controller.cells, evens, degrees, firing, machine, scope)
+        means = fire_masks(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
     elif linear and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
-        means, more = interpolate(controller, controller.cells, degrees, optimize == "size", firing.body, scope)
+        means, more = interpolate(
+            controller, controller.cells, degrees, strategy.interpolation == "loops", firing.body, scope
+        )
         firing.tables += more
     else:
         firing = fire(controller, degrees, scope, fire_minors if bare else None)
@@ -134,11 +129,11 @@ def lower_controller(
             steps, raw, mean_numbers = means[o]
             numbers.append(mean_numbers)
         elif controller.infer.defuzzify == "centroid":
-            steps, raw, more, found_numbers = centroid(output, firing.levels[o], machine, scope)
+            steps, raw, more, found_numbers = centroid(output, firing.levels[o], strategy.division, scope)
             tables += more
             numbers.append(found_numbers)
         else:
-            steps, raw, average_numbers = average(output, o, firing, machine, scope)
+            steps, raw, average_numbers = average(output, o, firing, strategy.division, scope)
             numbers.append(average_numbers)
         body += _settle(output, o, steps, raw, firing, threshold, status, state)
     outputs = [port_of(o.variable) for o in controller.outputs]

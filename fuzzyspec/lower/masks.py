@@ -22,6 +22,7 @@ from fuzzyspec.fixed.program import (
     Const,
     Define,
     DefineArray,
+    Division,
     Element,
     Expr,
     Local,
@@ -35,7 +36,6 @@ from fuzzyspec.lower.even import EvenOutput, even_output
 from fuzzyspec.lower.fire import Firing, act, owner_table
 from fuzzyspec.lower.fuzzify import Degrees
 from fuzzyspec.lower.lines import DEGREE_ONE
-from fuzzyspec.lower.machine import Machine
 from fuzzyspec.lower.mean import mean_to_raw
 from fuzzyspec.lower.minors import Minors
 from fuzzyspec.lower.minors import applies as minors_apply
@@ -46,14 +46,9 @@ from fuzzyspec.model.controller import CellRules, Controller, Output
 MASK_BITS = 16
 
 
-def applies(controller: Controller, machine: Machine) -> list[EvenOutput] | None:
-    """The outputs' shapes where a controller can be computed this way and gains by it, else None."""
-    if (
-        not machine.roomy
-        or not minors_apply(controller)
-        or controller.infer.defuzzify != "centroid"
-        or controller.cells is None
-    ):
+def applies(controller: Controller) -> list[EvenOutput] | None:
+    """The outputs' shapes where a controller can be computed this way, else None."""
+    if not minors_apply(controller) or controller.infer.defuzzify != "centroid" or controller.cells is None:
         return None
     if not all(controller.always_fires) or any(-1 in c for c in controller.cells.consequents):
         return None
@@ -65,9 +60,7 @@ def applies(controller: Controller, machine: Machine) -> list[EvenOutput] | None
         if even is None or not scale_of(even.forms).exact:
             return None
         found.append(even)
-    # A level costs each output about what two sets cost one by one.
-    levels = (len(controller.inputs) + 1) * len(found)
-    return found if 2 * levels < sum(len(e.forms) for e in found) else None
+    return found
 
 
 @dataclass
@@ -96,7 +89,7 @@ def fire_masks(
     evens: list[EvenOutput],
     degrees: list[Degrees],
     firing: Firing,
-    machine: Machine,
+    division: Division,
     scope: Scope,
 ) -> Means:
     """Append the statements up to every output's sums to ``firing``; the rest of each output is returned."""
@@ -142,7 +135,7 @@ def fire_masks(
             ),
         )
     )
-    return [_mean(s, sets, machine, scope) for s, sets in zip(sums, numbers, strict=True)]
+    return [_mean(s, sets, division, scope) for s, sets in zip(sums, numbers, strict=True)]
 
 
 def _mask_table(controller: Controller, cells: CellRules, shifts: list[int], scope: Scope) -> Table:
@@ -296,7 +289,7 @@ def _numbers(s: _Sums, single: Evaluated, turned: Evaluated | None, pair: Evalua
 
 
 def _mean(
-    s: _Sums, sets: tuple[SetNumbers, ...], machine: Machine, scope: Scope
+    s: _Sums, sets: tuple[SetNumbers, ...], division: Division, scope: Scope
 ) -> tuple[list[Stmt], Expr, CentroidNumbers]:
     name = s.output.name
     area = replace_hi(build.above(s.area, s.overlap), s.scale.largest_area)
@@ -305,5 +298,5 @@ def _mean(
     m = Local(scope.name(f"{name}_m"), "uint32", 0, build.UINT32_MAX)
     body: list[Stmt] = [Comment(f"centroid of {name}"), Define(a, area, True), Define(m, moment, True)]
     divisor = build.mul(a, Const(s.scale.weight_denominator))
-    steps, raw, tail = mean_to_raw(s.output.variable, m, divisor, machine, scope)
+    steps, raw, tail = mean_to_raw(s.output.variable, m, divisor, division, scope)
     return body + steps, raw, CentroidNumbers(sets, tail)

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from fuzzyspec.fixed import build
-from fuzzyspec.fixed.program import Const, Define, Expr, Stmt
-from fuzzyspec.lower.machine import Machine
+from fuzzyspec.fixed.program import Const, Define, Division, Expr, Stmt
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.variable import Variable
 
@@ -29,11 +28,11 @@ class Tail:
 
 
 def mean_to_raw(
-    variable: Variable, moment: Expr, area: Expr, machine: Machine, scope: Scope
+    variable: Variable, moment: Expr, area: Expr, division: Division, scope: Scope
 ) -> tuple[list[Stmt], Expr, Tail]:
     """The raw nearest to ``lo + (hi - lo) * moment / area``; needs ``0 <= moment <= area < 2**31``."""
     body: list[Stmt] = []
-    ratio = build.quotient(moment, area, machine.divides)
+    ratio = build.quotient(moment, area, division)
     t = build.local(scope.name(f"{variable.name}_t"), ratio)
     body.append(Define(t, ratio, True))
     raw = variable.raw

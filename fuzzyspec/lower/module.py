@@ -13,9 +13,10 @@ from fuzzyspec.fixed.certificate import Band, Certificate, OutputBound
 from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.lower.bounds import Effort, bound_controller, means
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
+from fuzzyspec.lower.choice import DIVISIONS, choose
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
-from fuzzyspec.lower.controller import ControllerNumbers, Goal, lower_controller
-from fuzzyspec.lower.machine import MACHINES, Target
+from fuzzyspec.lower.controller import ControllerNumbers, lower_controller
+from fuzzyspec.lower.strategy import Goal, Target
 from fuzzyspec.lower.system import CallBounds, SystemNumbers, lower_system
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import Module, System
@@ -63,7 +64,6 @@ class LoweringError(Exception):
 def lower(module: Module, options: Options | None = None) -> Lowered:
     """Lower a checked module. Raises LoweringError with every function that does not fit."""
     chosen = Options() if options is None else options
-    machine = MACHINES[chosen.target]
     alone, called = EFFORTS[chosen.bounds]
     functions: dict[str, Function] = {}
     numbers: dict[str, ControllerNumbers] = {}
@@ -72,7 +72,7 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     problems: list[Diagnostic] = []
     for controller in module.controllers:
         try:
-            function, found = lower_controller(controller, chosen.optimize, machine)
+            function, found = lower_controller(controller, choose(controller, chosen.optimize, chosen.target))
         except (RangeError, TooManySets) as error:
             problems.append(_diagnostic(controller, error))
             continue
@@ -93,7 +93,7 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
         if any(c.controller.name not in functions for c in system.calls):
             continue
         try:
-            function, system_numbers = lower_system(system, functions, certify, machine)
+            function, system_numbers = lower_system(system, functions, certify, DIVISIONS[chosen.target])
         except RangeError as error:
             problems.append(_diagnostic(system, error))
             continue

@@ -7,14 +7,14 @@ from dataclasses import replace
 from fractions import Fraction
 
 from fuzzyspec.fixed import build
-from fuzzyspec.fixed.program import AllOf, Const, Select, Test
+from fuzzyspec.fixed.program import AllOf, Const, Division, Select, Test
 from fuzzyspec.lower.scaled import Arithmetic, Scaled, cause_of, constant
 
 QUOTIENT_ONE = 1 << 16
 
 
 def divide(
-    arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction], divides: bool, name: str
+    arithmetic: Arithmetic, x: Scaled, y: Scaled, into: tuple[Fraction, Fraction], division: Division, name: str
 ) -> Scaled:
     """``x / y`` saturated into a range (docs/numbers.md, lemma "quotient").
 
@@ -44,7 +44,7 @@ def divide(
     den = arithmetic.bind(q.expr, f"{name}_den")
     if den.lo < 0:
         den = arithmetic.bind(build.greatest(den, Const(0)), f"{name}_den")
-    ratio = build.quotient(num, den, divides)
+    ratio = build.quotient(num, den, division)
     if signed.lo < 0 and den.lo <= 0:
         # A negative x over 0 is the low end; the quotient kernel alone would give the high one.
         ratio = Select(build.compare("<=", signed, Const(0)), Const(0), ratio, 0, QUOTIENT_ONE)

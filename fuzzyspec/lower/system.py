@@ -15,6 +15,7 @@ from fuzzyspec.fixed.program import (
     Branch,
     CallFunction,
     Comment,
+    Division,
     Each,
     Expr,
     Function,
@@ -34,7 +35,6 @@ from fuzzyspec.fixed.program import (
 from fuzzyspec.lower import folding
 from fuzzyspec.lower.controller import port_of, saturated
 from fuzzyspec.lower.decisions import decide
-from fuzzyspec.lower.machine import MACHINES, Machine
 from fuzzyspec.lower.places import place, read
 from fuzzyspec.lower.quotients import divide, settle, zero_over_zero
 from fuzzyspec.lower.scaled import Arithmetic, Scaled, cause_of, constant
@@ -76,7 +76,7 @@ class Lowering:
     system: System
     functions: dict[str, Function]
     certify: Certify
-    machine: Machine
+    division_by: Division
     scope: Scope = field(default_factory=Scope)
     body: list[Stmt] = field(default_factory=list)
     status: list[StatusBit] = field(default_factory=list)
@@ -287,7 +287,7 @@ class Lowering:
             return a.smallest([a.largest([exact, constant(expr.into[0])], name), constant(expr.into[1])], name)
         # Without a place it is its own interval that it stays in: that of the exact operands, not of the computed ones.
         into = self.intervals.of(expr) if expr.into is None else expr.into
-        quotient = divide(a, x, y, into, self.machine.divides, name)
+        quotient = divide(a, x, y, into, self.division_by, name)
         if expr.otherwise is None:
             return quotient
         test, band = zero_over_zero(a, x, y, f"{name}_zero")
@@ -387,7 +387,7 @@ class Lowering:
 
 
 def lower_system(
-    system: System, functions: dict[str, Function], certify: Certify, machine: Machine = MACHINES["generic"]
+    system: System, functions: dict[str, Function], certify: Certify, division: Division = "loop"
 ) -> tuple[Function, SystemNumbers]:
     """Raises RangeError where the arithmetic does not go into 32 bits."""
-    return Lowering(system, functions, certify, machine).run()
+    return Lowering(system, functions, certify, division).run()

@@ -15,6 +15,8 @@ from fuzzyspec.fixed.program import Program
 from fuzzyspec.fixed.run import initial_state
 from fuzzyspec.lower.bounds import Effort, bound_controller
 from fuzzyspec.lower.controller import lower_controller
+from fuzzyspec.lower.minors import applies as minors_apply
+from fuzzyspec.lower.strategy import Strategy
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.term import PiecewiseLinear
 from tests.random_specs.generator import spec
@@ -127,7 +129,7 @@ def raws_of(controller: Controller, dice: np.random.Generator, n: int) -> dict[s
 def test_bounds_hold_for_inputs_that_are_off(name: str, coarse: int) -> None:
     """Whatever the inputs really are, within their errors: the result is within the bound, decisions in their bands."""
     controller = dict(CONTROLLERS)[name]
-    function, numbers = lower_controller(controller)
+    function, numbers = lower_controller(controller, Strategy("minors" if minors_apply(controller) else "loops"))
     errors = tuple(
         (i.variable.hi - i.variable.lo) / (coarse * (1 + k)) if coarse else F(0)
         for k, i in enumerate(controller.inputs)
@@ -175,7 +177,7 @@ def test_bounds_hold_for_inputs_that_are_off(name: str, coarse: int) -> None:
 def test_wider_errors_never_shrink_a_bound() -> None:
     """The bound grows with what the inputs are off by."""
     (controller,) = load(ROOT / "benchmarks" / "w2.fz").module.controllers
-    _, numbers = lower_controller(controller)
+    _, numbers = lower_controller(controller, Strategy("minors" if minors_apply(controller) else "loops"))
     last = F(0)
     for bits in (30, 16, 12, 8):
         errors = tuple((i.variable.hi - i.variable.lo) / 2**bits for i in controller.inputs)

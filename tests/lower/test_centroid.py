@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import get_args
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from fuzzyspec.fixed.program import AssignElement, Const, DefineArray, Stmt
+from fuzzyspec.fixed.program import AssignElement, Const, DefineArray, Division, Stmt
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
 from fuzzyspec.lower.clipped import TooManySets, clipped_sets
 from fuzzyspec.lower.lines import DEGREE_ONE
-from fuzzyspec.lower.machine import MACHINES
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.sets import closed_form
 from fuzzyspec.model.controller import Output
@@ -62,26 +62,26 @@ def levels_of(output: Output, seed: int) -> np.ndarray:
     return found[found.max(axis=1) > 0]
 
 
-def raws(output: Output, levels: np.ndarray, target: str) -> tuple[np.ndarray, CentroidNumbers]:
+def raws(output: Output, levels: np.ndarray, division: Division) -> tuple[np.ndarray, CentroidNumbers]:
     """What the integers make of the levels; every intermediate is held against its interval."""
     scope = Scope()
     body: list[Stmt] = [DefineArray("levels", "uint16", levels.shape[1])]
     for k in range(levels.shape[1]):
         define, height = reading(f"level_{k}", "uint16", 0, DEGREE_ONE)
         body += [define, AssignElement("levels", "uint16", Const(k), height)]
-    steps, raw, tables, numbers = centroid(output, "levels", MACHINES[target], scope)
+    steps, raw, tables, numbers = centroid(output, "levels", division, scope)
     inputs = {f"level_{k}": levels[:, k] for k in range(levels.shape[1])}
     return outcome([*body, *steps], {"raw": raw}, inputs, tables)["raw"], numbers
 
 
-@pytest.mark.parametrize("target", ["generic", "cortex-m4"])
+@pytest.mark.parametrize("division", get_args(Division))
 @settings(max_examples=25)
 @given(output=outputs(), seed=st.integers(0, 10**6))
-def test_the_centroid_is_within_its_numbers(target: str, output: Output, seed: int) -> None:
+def test_the_centroid_is_within_its_numbers(division: Division, output: Output, seed: int) -> None:
     """For any clip heights the raw is within what the set's own errors, the weights and the tail allow."""
     levels = levels_of(output, seed)
     try:
-        found, numbers = raws(output, levels, target)
+        found, numbers = raws(output, levels, division)
     except TooManySets:
         assume(False)
     area, moment = np.zeros(len(levels)), np.zeros(len(levels))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from typing import get_args
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzyspec.lower.machine import MACHINES
+from fuzzyspec.fixed.program import Division
 from fuzzyspec.lower.mean import mean_to_raw
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.variable import Variable
@@ -32,14 +33,14 @@ def pairs(seed: int, n: int) -> list[tuple[int, int]]:
     return found
 
 
-@pytest.mark.parametrize("target", ["generic", "cortex-m4"])
+@pytest.mark.parametrize("division", get_args(Division))
 @settings(max_examples=60)
 @given(variable=variables(), seed=st.integers(0, 2**20))
-def test_a_mean_lands_within_the_tails_error(target: str, variable: Variable, seed: int) -> None:
+def test_a_mean_lands_within_the_tails_error(division: Division, variable: Variable, seed: int) -> None:
     """For any sums the raw is legal and within the stated counts of the exact place, at ends that are no raws too."""
     sums = pairs(seed, 60)
     start = [reading("moment", "uint32", 0, LARGEST), reading("area", "uint32", 0, LARGEST)]
-    body, raw, tail = mean_to_raw(variable, start[0][1], start[1][1], MACHINES[target], Scope())
+    body, raw, tail = mean_to_raw(variable, start[0][1], start[1][1], division, Scope())
     steps = [define for define, _ in start]
     inputs = {"moment": [m for m, _ in sums], "area": [a for _, a in sums]}
     raws = outcome([*steps, *body], {"raw": raw}, inputs)["raw"].tolist()

@@ -1,0 +1,63 @@
+"""The strategy of a controller: which ones it can be computed by, and which one a goal and a machine ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+from typing import get_args
+
+from fuzzyspec.fixed.program import Division
+from fuzzyspec.lower.masks import applies as masks_apply
+from fuzzyspec.lower.minors import applies as minors_apply
+from fuzzyspec.lower.multilinear import WRITTEN_OUT
+from fuzzyspec.lower.multilinear import applies as multilinear_applies
+from fuzzyspec.lower.strategy import Goal, Interpolation, Rules, Strategy, Target
+from fuzzyspec.model.controller import Controller
+
+DIVISIONS: Mapping[Target, Division] = {
+    "generic": "loop",
+    "cortex-m0plus": "loop",
+    "cortex-m4": "hardware",
+    "cortex-m7": "hardware",
+    "rv32imc": "hardware",
+    "avr": "loop",
+}
+"""Where 32-bit division is an instruction, not a call of a library, it pays."""
+ROOMY: frozenset[Target] = frozenset({"cortex-m4", "cortex-m7", "rv32imc"})
+"""Machines on which a dozen values stay in registers."""
+
+
+def rules_of(controller: Controller) -> tuple[Rules, ...]:
+    """The ways of firing that a controller's rules allow, loops first."""
+    if multilinear_applies(controller) or not minors_apply(controller):
+        return ("loops",)
+    return ("loops", "minors") if masks_apply(controller) is None else ("loops", "minors", "levels")
+
+
+def strategies(controller: Controller) -> tuple[Strategy, ...]:
+    """All of a controller's strategies, each a program of its own with the same integers."""
+    interpolations: tuple[Interpolation, ...] = (
+        get_args(Interpolation) if multilinear_applies(controller) else ("loops",)
+    )
+    return tuple(Strategy(*s) for s in product(rules_of(controller), interpolations, get_args(Division)))
+
+
+def choose(controller: Controller, goal: Goal, target: Target) -> Strategy:
+    """One of a controller's strategies."""
+    division = DIVISIONS[target]
+    if goal == "size":
+        return Strategy("loops", "loops", division)
+    possible = rules_of(controller)
+    rules: Rules = possible[-1]
+    if rules == "levels" and not (target in ROOMY and _levels_gain(controller)):
+        rules = "minors"
+    interpolation: Interpolation = "written" if len(controller.inputs) <= WRITTEN_OUT else "loops"
+    return Strategy(rules, interpolation, division)
+
+
+def _levels_gain(controller: Controller) -> bool:
+    """A level costs each output about what two sets cost one by one."""
+    evens = masks_apply(controller)
+    assert evens is not None
+    levels = (len(controller.inputs) + 1) * len(evens)
+    return 2 * levels < sum(len(e.forms) for e in evens)

@@ -1,0 +1,27 @@
+"""What a controller may be computed by. All strategies compute the same integers, and their C runs on every machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from fuzzyspec.fixed.program import Division
+
+Goal = Literal["speed", "balanced", "size"]
+"""What the strategies are chosen for."""
+Target = Literal["generic", "cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr"]
+"""The machine that they are chosen for."""
+Rules = Literal["loops", "minors", "levels"]
+"""Firing: every active cell in loops (any rule base); cells written out, strongest first, by sorted minors; or the same
+with sets of terms as bits and one polynomial a strength, where the outputs are even."""
+Interpolation = Literal["loops", "written"]
+"""Product and singletons over strong partitions: interpolations in loops over the corners, or written out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Strategy:
+    """One choice for a whole controller. ``interpolation`` counts only where the controller is one."""
+
+    rules: Rules = "loops"
+    interpolation: Interpolation = "loops"
+    division: Division = "loop"
