@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     from fuzzyspec.cost import OPTIMISATIONS, Conditions, EmulationError, as_json, as_text, measure
     from fuzzyspec.diagnostics.refusal import Refusal
     from fuzzyspec.lower import Options
-    from fuzzyspec.lower.controller import Goal
+    from fuzzyspec.lower.strategy import Goal
     from fuzzyspec.native import BuildError
 
     spec = api.load(arguments.file)

@@ -36,9 +36,8 @@ def rules_of(controller: Controller) -> tuple[Rules, ...]:
 
 def strategies(controller: Controller) -> tuple[Strategy, ...]:
     """All of a controller's strategies, each a program of its own with the same integers."""
-    interpolations: tuple[Interpolation, ...] = (
-        get_args(Interpolation) if multilinear_applies(controller) else ("loops",)
-    )
+    both: tuple[Interpolation, ...] = get_args(Interpolation)
+    interpolations = both if multilinear_applies(controller) else both[:1]
     return tuple(Strategy(*s) for s in product(rules_of(controller), interpolations, get_args(Division)))
 
 

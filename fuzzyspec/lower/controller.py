@@ -112,9 +112,8 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
         means = fire_masks(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
     elif linear and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
-        means, more = interpolate(
-            controller, controller.cells, degrees, strategy.interpolation == "loops", firing.body, scope
-        )
+        loops = strategy.interpolation == "loops"
+        means, more = interpolate(controller, controller.cells, degrees, loops, firing.body, scope)
         firing.tables += more
     else:
         firing = fire(controller, degrees, scope, fire_minors if bare else None)
