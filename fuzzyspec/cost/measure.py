@@ -11,8 +11,8 @@ import numpy.typing as npt
 from fuzzyspec.cost.avr import measure_avr, simavr_is_here
 from fuzzyspec.cost.emulate import Emulation
 from fuzzyspec.cost.image import Image
-from fuzzyspec.cost.inputs import draw_cases
 from fuzzyspec.cost.toolchains import CrossCompiler
+from fuzzyspec.estimate.inputs import draw_cases
 from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.fixed.run import Run, run
 from fuzzyspec.native.layout import Result

@@ -7,8 +7,8 @@ from dataclasses import asdict
 from itertools import groupby
 from typing import Any
 
-from fuzzyspec.cost.inputs import SEED
 from fuzzyspec.cost.measure import Conditions, Measured, Mismatch, Record
+from fuzzyspec.estimate.inputs import SEED
 
 _HEADS = ("target", "option", "instructions", "largest", "cycles", "largest", "flash", "library", "RAM", "stack")
 _LEFT = 2

@@ -9,10 +9,10 @@ from fuzzyspec.emit.ctypes import signed
 from fuzzyspec.emit.header import declaration, holds, prototype
 from fuzzyspec.emit.layout import INDENT, code
 from fuzzyspec.emit.names import Names
-from fuzzyspec.emit.prune import expressions, nodes
 from fuzzyspec.emit.statements import Body, print_body
 from fuzzyspec.emit.tables import Printed, Reader, printed, readers
 from fuzzyspec.fixed.program import Element, Function, MulHigh, Program, Quotient
+from fuzzyspec.fixed.prune import expressions, nodes
 
 
 @dataclass(frozen=True, slots=True)

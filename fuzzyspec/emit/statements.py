@@ -10,7 +10,6 @@ from fuzzyspec.emit.cprinter import Level, Spelling, Text, condition, converted,
 from fuzzyspec.emit.ctypes import LIMITS, count_ctype, signed, spelled
 from fuzzyspec.emit.layout import INDENT, code, comment
 from fuzzyspec.emit.names import FunctionNames, Names, Scope, identifier, singular
-from fuzzyspec.emit.prune import expressions, nodes, prune, statements
 from fuzzyspec.fixed.program import (
     Assign,
     AssignElement,
@@ -33,6 +32,7 @@ from fuzzyspec.fixed.program import (
     SetStatus,
     Stmt,
 )
+from fuzzyspec.fixed.prune import expressions, nodes, prune, statements
 
 
 @dataclass(frozen=True)

@@ -59,6 +59,9 @@ from fuzzyspec.fixed.program import (
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
+Visit = Callable[[tuple[Stmt, ...], int], None]
+"""Told a block and how many lanes enter it."""
+
 CHUNK = 1 << 14
 """Lanes at a time: small enough that a program's locals stay in cache."""
 
@@ -109,12 +112,14 @@ def run(
     state: Mapping[str, npt.ArrayLike] | None = None,
     record: bool = False,
     checked: bool = False,
+    visit: Visit | None = None,
 ) -> Run:
     """Run one function over arrays of raws.
 
     ``inputs``: scalars ``name`` of shape (N,), list fields ``list.field`` of shape (N, M), counts ``list.count`` of
     shape (N,). ``state`` as in :class:`Run`, else the initial one. With ``record`` the decisions are kept; with
-    ``checked`` every value is held against its node's interval (:class:`IntervalError`).
+    ``checked`` every value is held against its node's interval (:class:`IntervalError`). ``visit`` is told of every
+    block that is entered, those of called functions included.
     Raises KeyError for a missing signal and ValueError for shapes that do not agree.
     """
     function = program.function(function_name)
@@ -135,6 +140,7 @@ def run(
             {k: v[part].copy() for k, v in held.items()},
             record,
             checked,
+            visit,
         )
         frame.block(function.body, None)
         parts.append(Run(frame.outputs, frame.status, frame.state, frame.decisions))
@@ -218,6 +224,7 @@ class _Frame:
     state: dict[str, Ints]
     record: bool
     checked: bool
+    visit: Visit | None
     outputs: dict[str, Ints] = field(default_factory=dict)
     locals: dict[str, Any] = field(default_factory=dict)
     arrays: dict[str, Ints] = field(default_factory=dict)
@@ -239,6 +246,8 @@ class _Frame:
     # --- statements ---------------------------------------------------------------------------
 
     def block(self, body: tuple[Stmt, ...], mask: Bools | None) -> None:
+        if self.visit is not None:
+            self.visit(body, self.n if mask is None else int(mask.sum()))
         for stmt in body:
             self.step(stmt, mask)
 
@@ -337,7 +346,7 @@ class _Frame:
         }
         prefix = f"{stmt.state}." if stmt.state is not None else ""
         state = {k[len(prefix) :]: v for k, v in self.state.items() if k.startswith(prefix)} if prefix else {}
-        frame = _Frame(self.program, callee, self.n, given, state, self.record, self.checked)
+        frame = _Frame(self.program, callee, self.n, given, state, self.record, self.checked, self.visit)
         frame.block(callee.body, mask)
         for output, local in stmt.results:
             self.locals[local.name] = frame.outputs[output]

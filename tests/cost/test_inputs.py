@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from fuzzyspec import load
-from fuzzyspec.cost.inputs import draw_cases, unit_numbers
+from fuzzyspec.estimate.inputs import draw_cases, unit_numbers
 from tests.cost.cost_specs import KEEPING, PLAIN
 
 

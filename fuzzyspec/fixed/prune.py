@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import assert_never
 
-from fuzzyspec.emit.decide import decided, settle, settle_test
+from fuzzyspec.fixed.decide import decided, settle, settle_test
 from fuzzyspec.fixed.program import (
     Above,
     AllOf,
