@@ -11,7 +11,7 @@ from fuzzyspec.lower.masks import applies as masks_apply
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.multilinear import WRITTEN_OUT
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
-from fuzzyspec.lower.strategy import Goal, Interpolation, Rules, Strategy, Target
+from fuzzyspec.lower.strategy import Goal, Interpolation, Rules, Strategy, Target, Widths
 from fuzzyspec.model.controller import Controller
 
 DIVISIONS: Mapping[Target, Division] = {
@@ -23,6 +23,8 @@ DIVISIONS: Mapping[Target, Division] = {
     "avr": "loop",
 }
 """Where 32-bit division is an instruction, not a call of a library, it pays."""
+WIDTHS: Mapping[Target, Widths] = {t: "narrow" if t == "avr" else "words" for t in get_args(Target)}
+"""On 8 bits every byte of a value costs; on 32 a narrow local costs, which is cut to its width at every step."""
 ROOMY: frozenset[Target] = frozenset({"cortex-m4", "cortex-m7", "rv32imc"})
 """Machines on which a dozen values stay in registers."""
 

@@ -13,11 +13,12 @@ from fuzzyspec.fixed.certificate import Band, Certificate, OutputBound
 from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.lower.bounds import Effort, bound_controller, means
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
-from fuzzyspec.lower.choice import DIVISIONS, choose
+from fuzzyspec.lower.choice import DIVISIONS, WIDTHS, choose
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
 from fuzzyspec.lower.controller import ControllerNumbers, lower_controller
 from fuzzyspec.lower.strategy import Goal, Target
 from fuzzyspec.lower.system import CallBounds, SystemNumbers, lower_system
+from fuzzyspec.lower.widths import fit_widths
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import Module, System
 from fuzzyspec.model.variable import Variable
@@ -101,7 +102,8 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
         certificates[system.name] = _of_system(system, function, system_numbers, chosen)
     if problems:
         raise LoweringError(tuple(problems))
-    return Lowered(Program(module.name, tuple(functions.values())), certificates)
+    fitted = tuple(fit_widths(f, WIDTHS[chosen.target]) for f in functions.values())
+    return Lowered(Program(module.name, fitted), certificates)
 
 
 def _of_controller(

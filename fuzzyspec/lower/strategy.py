@@ -16,6 +16,8 @@ Rules = Literal["loops", "minors", "levels"]
 with sets of terms as bits and one polynomial a strength, where the outputs are even."""
 Interpolation = Literal["loops", "written"]
 """Product and singletons over strong partitions: interpolations in loops over the corners, or written out."""
+Widths = Literal["words", "narrow"]
+"""Locals of 32 bits, as registers are, or of the fewest bits that hold their values."""
 
 
 @dataclass(frozen=True, slots=True)

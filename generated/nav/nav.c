@@ -51,73 +51,73 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     nav_status_t status = NAV_OK;
 
     /* eta_t: degrees of TS, TM, TB */
-    uint16_t eta_t = in->eta_t;
+    uint32_t eta_t = in->eta_t;
     if (eta_t > 49152U) {
         eta_t = 49152U;
         status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_T);
     }
 
-    uint16_t eta_t_d = 0U;
-    uint8_t eta_t_term = 0U;
+    uint32_t eta_t_d = 0U;
+    uint32_t eta_t_term = 0U;
     if (eta_t < 24576U) {
-        const uint16_t eta_t_u_2 = eta_t;
-        eta_t_d = (uint16_t)(((eta_t_u_2 * 87381U) + 36864U) >> 16U);
+        const uint32_t eta_t_u_2 = eta_t;
+        eta_t_d = ((eta_t_u_2 * 87381U) + 36864U) >> 16U;
     } else {
         eta_t_term = 1U;
-        const uint16_t eta_t_u = (uint16_t)((uint32_t)eta_t - 24576U);
-        eta_t_d = (uint16_t)(((eta_t_u * 87381U) + 36864U) >> 16U);
+        const uint32_t eta_t_u = eta_t - 24576U;
+        eta_t_d = ((eta_t_u * 87381U) + 36864U) >> 16U;
     }
 
     /* eta_d: degrees of DS, DM, DB */
-    uint16_t eta_d = in->eta_d;
+    uint32_t eta_d = in->eta_d;
     if (eta_d > 32768U) {
         eta_d = 32768U;
         status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_D);
     }
 
-    uint16_t eta_d_d = 0U;
-    uint8_t eta_d_term = 0U;
+    uint32_t eta_d_d = 0U;
+    uint32_t eta_d_term = 0U;
     if (eta_d < 16384U) {
-        const uint16_t eta_d_u_2 = eta_d;
-        eta_d_d = (uint16_t)((uint32_t)eta_d_u_2 * 2U);
+        const uint32_t eta_d_u_2 = eta_d;
+        eta_d_d = eta_d_u_2 * 2U;
     } else {
         eta_d_term = 1U;
-        const uint16_t eta_d_u = (uint16_t)((uint32_t)eta_d - 16384U);
-        eta_d_d = (uint16_t)((uint32_t)eta_d_u * 2U);
+        const uint32_t eta_d_u = eta_d - 16384U;
+        eta_d_d = eta_d_u * 2U;
     }
 
     uint16_t ddc_level[3];
-    for (uint8_t k = 0U; k < 3U; ++k) {
+    for (uint32_t k = 0U; k < 3U; ++k) {
         ddc_level[k] = 0U;
     }
 
     /* rules: the cell of the larger degrees, and how each smaller degree leaves it */
-    uint16_t eta_t_minor = 0U;
+    uint32_t eta_t_minor = 0U;
     int32_t eta_t_step = 3;
-    int32_t eta_t_at = (int32_t)((uint32_t)eta_t_term * 3U);
+    uint32_t eta_t_at = eta_t_term * 3U;
     if (eta_t_d > 16384U) {
-        eta_t_minor = (uint16_t)(32768U - (uint32_t)eta_t_d);
+        eta_t_minor = 32768U - eta_t_d;
         eta_t_step = -3;
-        eta_t_at = (int32_t)(((uint32_t)eta_t_term * 3U) + 3U);
+        eta_t_at = (eta_t_term * 3U) + 3U;
     } else {
         eta_t_minor = eta_t_d;
     }
 
-    const uint32_t cell = (uint32_t)eta_t_at;
-    uint16_t eta_d_minor = 0U;
+    const uint32_t cell = eta_t_at;
+    uint32_t eta_d_minor = 0U;
     int32_t eta_d_step = 1;
-    int32_t eta_d_at = (int32_t)eta_d_term;
+    uint32_t eta_d_at = eta_d_term;
     if (eta_d_d > 16384U) {
-        eta_d_minor = (uint16_t)(32768U - (uint32_t)eta_d_d);
+        eta_d_minor = 32768U - eta_d_d;
         eta_d_step = -1;
-        eta_d_at = (int32_t)((uint32_t)eta_d_term + 1U);
+        eta_d_at = eta_d_term + 1U;
     } else {
         eta_d_minor = eta_d_d;
     }
 
-    const uint32_t cell_2 = cell + (uint32_t)eta_d_at;
+    const uint32_t cell_2 = cell + eta_d_at;
     if (eta_t_minor < eta_d_minor) {
-        const uint16_t kept = eta_t_minor;
+        const uint32_t kept = eta_t_minor;
         const int32_t kept_step = eta_t_step;
         eta_t_minor = eta_d_minor;
         eta_t_step = eta_d_step;
@@ -125,28 +125,28 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         eta_d_step = kept_step;
     }
 
-    const uint16_t majors = (uint16_t)(32768U - (uint32_t)eta_t_minor);
-    const int32_t cell_3 = (int32_t)cell_2 + eta_t_step;
-    const int32_t cell_4 = (int32_t)cell_2 + eta_d_step;
-    const int32_t cell_5 = cell_3 + eta_d_step;
-    const uint8_t ddc_term = NAV_READ_U8(nav_danger_ddc_rules, cell_2);
+    const uint32_t majors = 32768U - eta_t_minor;
+    const uint32_t cell_3 = (uint32_t)((int32_t)cell_2 + eta_t_step);
+    const uint32_t cell_4 = (uint32_t)((int32_t)cell_2 + eta_d_step);
+    const uint32_t cell_5 = (uint32_t)((int32_t)cell_3 + eta_d_step);
+    const uint32_t ddc_term = NAV_READ_U8(nav_danger_ddc_rules, cell_2);
     if (majors > ddc_level[ddc_term]) {
-        ddc_level[ddc_term] = majors;
+        ddc_level[ddc_term] = (uint16_t)majors;
     }
     if (eta_t_minor > 0U) {
-        const uint8_t ddc_term_2 = NAV_READ_U8(nav_danger_ddc_rules, (uint32_t)cell_3);
+        const uint32_t ddc_term_2 = NAV_READ_U8(nav_danger_ddc_rules, cell_3);
         if (eta_t_minor > ddc_level[ddc_term_2]) {
-            ddc_level[ddc_term_2] = eta_t_minor;
+            ddc_level[ddc_term_2] = (uint16_t)eta_t_minor;
         }
     }
     if (eta_d_minor > 0U) {
-        const uint8_t ddc_term_3 = NAV_READ_U8(nav_danger_ddc_rules, (uint32_t)cell_4);
+        const uint32_t ddc_term_3 = NAV_READ_U8(nav_danger_ddc_rules, cell_4);
         if (eta_d_minor > ddc_level[ddc_term_3]) {
-            ddc_level[ddc_term_3] = eta_d_minor;
+            ddc_level[ddc_term_3] = (uint16_t)eta_d_minor;
         }
-        const uint8_t ddc_term_4 = NAV_READ_U8(nav_danger_ddc_rules, (uint32_t)cell_5);
+        const uint32_t ddc_term_4 = NAV_READ_U8(nav_danger_ddc_rules, cell_5);
         if (eta_d_minor > ddc_level[ddc_term_4]) {
-            ddc_level[ddc_term_4] = eta_d_minor;
+            ddc_level[ddc_term_4] = (uint16_t)eta_d_minor;
         }
     }
 
@@ -155,35 +155,35 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     uint32_t ddc_moment = 0U;
     uint32_t ddc_overlap = 0U;
     uint32_t ddc_moment_off = 0U;
-    for (uint8_t k_2 = 0U; k_2 < 3U; ++k_2) {
-        const uint16_t ddc_h = ddc_level[k_2];
+    for (uint32_t k_2 = 0U; k_2 < 3U; ++k_2) {
+        const uint32_t ddc_h = ddc_level[k_2];
         if (ddc_h > 0U) {
             const uint32_t ddc_width = 65536U - ddc_h;
             const uint32_t ddc_part = ((ddc_h * ddc_width) + 512U) >> 10U;
             ddc_area = ddc_area + ddc_part;
-            ddc_moment = ddc_moment + (ddc_part * ((uint32_t)k_2 * 2U));
+            ddc_moment = ddc_moment + (ddc_part * (k_2 * 2U));
         }
     }
-    for (uint8_t k_3 = 0U; k_3 < 2U; ++k_3) {
-        uint16_t ddc_h_2 = ddc_level[k_3];
-        const uint16_t ddc_h_3 = ddc_level[(uint32_t)k_3 + 1U];
+    for (uint32_t k_3 = 0U; k_3 < 2U; ++k_3) {
+        uint32_t ddc_h_2 = ddc_level[k_3];
+        const uint32_t ddc_h_3 = ddc_level[k_3 + 1U];
         if (ddc_h_3 < ddc_h_2) {
             ddc_h_2 = ddc_h_3;
         }
         if (ddc_h_2 > 0U) {
-            const uint16_t ddc_c = (ddc_h_2 < 16384U) ? ddc_h_2 : 16384U;
-            const uint32_t ddc_width_2 = 65536U - ((uint32_t)ddc_c * 2U);
+            const uint32_t ddc_c = (ddc_h_2 < 16384U) ? ddc_h_2 : 16384U;
+            const uint32_t ddc_width_2 = 65536U - (ddc_c * 2U);
             const uint32_t ddc_part_2 = ((ddc_c * ddc_width_2) + 1024U) >> 11U;
             ddc_overlap = ddc_overlap + ddc_part_2;
-            ddc_moment_off = ddc_moment_off + (ddc_part_2 * (((uint32_t)k_3 * 2U) + 1U));
+            ddc_moment_off = ddc_moment_off + (ddc_part_2 * ((k_3 * 2U) + 1U));
         }
     }
 
     const uint32_t ddc_m = (ddc_moment > ddc_moment_off) ? (ddc_moment - ddc_moment_off) : 0U;
     const uint32_t ddc_a = (ddc_area > ddc_overlap) ? (ddc_area - ddc_overlap) : 0U;
     const uint32_t ddc_t = nav_quotient(ddc_m, ddc_a * 4U);
-    const uint16_t ddc_steps = (uint16_t)(((ddc_t * 32768U) + 49152U) >> 16U);
-    out->ddc = ddc_steps;
+    const uint32_t ddc_steps = ((ddc_t * 32768U) + 49152U) >> 16U;
+    out->ddc = (uint16_t)ddc_steps;
 
     return status;
 }
@@ -214,61 +214,61 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     nav_status_t status = NAV_OK;
 
     /* left: degrees of S, M, B */
-    uint16_t left = in->left;
+    uint32_t left = in->left;
     if (left > 32768U) {
         left = 32768U;
         status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_LEFT);
     }
 
-    uint16_t left_d = 0U;
-    uint8_t left_term = 0U;
+    uint32_t left_d = 0U;
+    uint32_t left_term = 0U;
     if (left < 16384U) {
-        const uint16_t left_u_2 = left;
-        left_d = (uint16_t)((uint32_t)left_u_2 * 2U);
+        const uint32_t left_u_2 = left;
+        left_d = left_u_2 * 2U;
     } else {
         left_term = 1U;
-        const uint16_t left_u = (uint16_t)((uint32_t)left - 16384U);
-        left_d = (uint16_t)((uint32_t)left_u * 2U);
+        const uint32_t left_u = left - 16384U;
+        left_d = left_u * 2U;
     }
 
     /* front: degrees of S, M, B */
-    uint16_t front = in->front;
+    uint32_t front = in->front;
     if (front > 32768U) {
         front = 32768U;
         status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_FRONT);
     }
 
-    uint16_t front_d = 0U;
-    uint8_t front_term = 0U;
+    uint32_t front_d = 0U;
+    uint32_t front_term = 0U;
     if (front < 16384U) {
-        const uint16_t front_u_2 = front;
-        front_d = (uint16_t)((uint32_t)front_u_2 * 2U);
+        const uint32_t front_u_2 = front;
+        front_d = front_u_2 * 2U;
     } else {
         front_term = 1U;
-        const uint16_t front_u = (uint16_t)((uint32_t)front - 16384U);
-        front_d = (uint16_t)((uint32_t)front_u * 2U);
+        const uint32_t front_u = front - 16384U;
+        front_d = front_u * 2U;
     }
 
     /* right: degrees of S, M, B */
-    uint16_t right = in->right;
+    uint32_t right = in->right;
     if (right > 32768U) {
         right = 32768U;
         status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_RIGHT);
     }
 
-    uint16_t right_d = 0U;
-    uint8_t right_term = 0U;
+    uint32_t right_d = 0U;
+    uint32_t right_term = 0U;
     if (right < 16384U) {
-        const uint16_t right_u_2 = right;
-        right_d = (uint16_t)((uint32_t)right_u_2 * 2U);
+        const uint32_t right_u_2 = right;
+        right_d = right_u_2 * 2U;
     } else {
         right_term = 1U;
-        const uint16_t right_u = (uint16_t)((uint32_t)right - 16384U);
-        right_d = (uint16_t)((uint32_t)right_u * 2U);
+        const uint32_t right_u = right - 16384U;
+        right_d = right_u * 2U;
     }
 
     /* target: degrees of L, C, R */
-    int16_t target = in->target;
+    int32_t target = in->target;
     if (target < -23040) {
         target = -23040;
         status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_TARGET);
@@ -278,79 +278,79 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_TARGET);
     }
 
-    const uint16_t target_at = (uint16_t)((int32_t)target + 23040);
-    uint16_t target_d = 0U;
-    uint8_t target_term = 0U;
+    const uint32_t target_at = (uint32_t)(target + 23040);
+    uint32_t target_d = 0U;
+    uint32_t target_term = 0U;
     if (target_at < 23040U) {
-        const uint16_t target_u_2 = target_at;
-        target_d = (uint16_t)(((target_u_2 * 93207U) + 29952U) >> 16U);
+        const uint32_t target_u_2 = target_at;
+        target_d = ((target_u_2 * 93207U) + 29952U) >> 16U;
     } else {
         target_term = 1U;
-        const uint16_t target_u = (uint16_t)((uint32_t)target_at - 23040U);
-        target_d = (uint16_t)(((target_u * 93207U) + 29952U) >> 16U);
+        const uint32_t target_u = target_at - 23040U;
+        target_d = ((target_u * 93207U) + 29952U) >> 16U;
     }
 
     uint16_t v_level[5];
-    for (uint8_t k = 0U; k < 5U; ++k) {
+    for (uint32_t k = 0U; k < 5U; ++k) {
         v_level[k] = 0U;
     }
 
     uint16_t w_level[7];
-    for (uint8_t k_2 = 0U; k_2 < 7U; ++k_2) {
+    for (uint32_t k_2 = 0U; k_2 < 7U; ++k_2) {
         w_level[k_2] = 0U;
     }
 
     /* rules: the cell of the larger degrees, and how each smaller degree leaves it */
-    uint16_t left_minor = 0U;
+    uint32_t left_minor = 0U;
     int32_t left_step = 27;
-    int32_t left_at = (int32_t)((uint32_t)left_term * 27U);
+    uint32_t left_at = left_term * 27U;
     if (left_d > 16384U) {
-        left_minor = (uint16_t)(32768U - (uint32_t)left_d);
+        left_minor = 32768U - left_d;
         left_step = -27;
-        left_at = (int32_t)(((uint32_t)left_term * 27U) + 27U);
+        left_at = (left_term * 27U) + 27U;
     } else {
         left_minor = left_d;
     }
 
-    const uint32_t cell = (uint32_t)left_at;
-    uint16_t front_minor = 0U;
+    const uint32_t cell = left_at;
+    uint32_t front_minor = 0U;
     int32_t front_step = 9;
-    int32_t front_at = (int32_t)((uint32_t)front_term * 9U);
+    uint32_t front_at = front_term * 9U;
     if (front_d > 16384U) {
-        front_minor = (uint16_t)(32768U - (uint32_t)front_d);
+        front_minor = 32768U - front_d;
         front_step = -9;
-        front_at = (int32_t)(((uint32_t)front_term * 9U) + 9U);
+        front_at = (front_term * 9U) + 9U;
     } else {
         front_minor = front_d;
     }
 
-    const uint32_t cell_2 = cell + (uint32_t)front_at;
-    uint16_t right_minor = 0U;
+    const uint32_t cell_2 = cell + front_at;
+    uint32_t right_minor = 0U;
     int32_t right_step = 3;
-    int32_t right_at = (int32_t)((uint32_t)right_term * 3U);
+    uint32_t right_at = right_term * 3U;
     if (right_d > 16384U) {
-        right_minor = (uint16_t)(32768U - (uint32_t)right_d);
+        right_minor = 32768U - right_d;
         right_step = -3;
-        right_at = (int32_t)(((uint32_t)right_term * 3U) + 3U);
+        right_at = (right_term * 3U) + 3U;
     } else {
         right_minor = right_d;
     }
 
-    const uint32_t cell_3 = cell_2 + (uint32_t)right_at;
-    uint16_t target_minor = 0U;
+    const uint32_t cell_3 = cell_2 + right_at;
+    uint32_t target_minor = 0U;
     int32_t target_step = 1;
-    int32_t target_at_2 = (int32_t)target_term;
+    uint32_t target_at_2 = target_term;
     if (target_d > 16384U) {
-        target_minor = (uint16_t)(32768U - (uint32_t)target_d);
+        target_minor = 32768U - target_d;
         target_step = -1;
-        target_at_2 = (int32_t)((uint32_t)target_term + 1U);
+        target_at_2 = target_term + 1U;
     } else {
         target_minor = target_d;
     }
 
-    const uint32_t cell_4 = cell_3 + (uint32_t)target_at_2;
+    const uint32_t cell_4 = cell_3 + target_at_2;
     if (left_minor < front_minor) {
-        const uint16_t kept = left_minor;
+        const uint32_t kept = left_minor;
         const int32_t kept_step = left_step;
         left_minor = front_minor;
         left_step = front_step;
@@ -358,7 +358,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         front_step = kept_step;
     }
     if (front_minor < right_minor) {
-        const uint16_t kept_2 = front_minor;
+        const uint32_t kept_2 = front_minor;
         const int32_t kept_step_2 = front_step;
         front_minor = right_minor;
         front_step = right_step;
@@ -366,7 +366,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         right_step = kept_step_2;
     }
     if (right_minor < target_minor) {
-        const uint16_t kept_3 = right_minor;
+        const uint32_t kept_3 = right_minor;
         const int32_t kept_step_3 = right_step;
         right_minor = target_minor;
         right_step = target_step;
@@ -374,7 +374,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         target_step = kept_step_3;
     }
     if (left_minor < front_minor) {
-        const uint16_t kept_4 = left_minor;
+        const uint32_t kept_4 = left_minor;
         const int32_t kept_step_4 = left_step;
         left_minor = front_minor;
         left_step = front_step;
@@ -382,7 +382,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         front_step = kept_step_4;
     }
     if (front_minor < right_minor) {
-        const uint16_t kept_5 = front_minor;
+        const uint32_t kept_5 = front_minor;
         const int32_t kept_step_5 = front_step;
         front_minor = right_minor;
         front_step = right_step;
@@ -390,7 +390,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         right_step = kept_step_5;
     }
     if (left_minor < front_minor) {
-        const uint16_t kept_6 = left_minor;
+        const uint32_t kept_6 = left_minor;
         const int32_t kept_step_6 = left_step;
         left_minor = front_minor;
         left_step = front_step;
@@ -398,252 +398,252 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         front_step = kept_step_6;
     }
 
-    uint8_t acting = 0U;
+    uint32_t acting = 0U;
     uint32_t strongest = 0U;
-    const uint16_t majors = (uint16_t)(32768U - (uint32_t)left_minor);
-    const int32_t cell_5 = (int32_t)cell_4 + left_step;
-    const int32_t cell_6 = (int32_t)cell_4 + front_step;
-    const int32_t cell_7 = cell_5 + front_step;
-    const int32_t cell_8 = (int32_t)cell_4 + right_step;
-    const int32_t cell_9 = cell_5 + right_step;
-    const int32_t cell_10 = cell_6 + right_step;
-    const int32_t cell_11 = cell_7 + right_step;
-    const int32_t cell_12 = (int32_t)cell_4 + target_step;
-    const int32_t cell_13 = cell_5 + target_step;
-    const int32_t cell_14 = cell_6 + target_step;
-    const int32_t cell_15 = cell_7 + target_step;
-    const int32_t cell_16 = cell_8 + target_step;
-    const int32_t cell_17 = cell_9 + target_step;
-    const int32_t cell_18 = cell_10 + target_step;
-    const int32_t cell_19 = cell_11 + target_step;
-    const uint8_t v_term = NAV_READ_U8(nav_velocity_v_rules, cell_4);
+    const uint32_t majors = 32768U - left_minor;
+    const uint32_t cell_5 = (uint32_t)((int32_t)cell_4 + left_step);
+    const uint32_t cell_6 = (uint32_t)((int32_t)cell_4 + front_step);
+    const uint32_t cell_7 = (uint32_t)((int32_t)cell_5 + front_step);
+    const uint32_t cell_8 = (uint32_t)((int32_t)cell_4 + right_step);
+    const uint32_t cell_9 = (uint32_t)((int32_t)cell_5 + right_step);
+    const uint32_t cell_10 = (uint32_t)((int32_t)cell_6 + right_step);
+    const uint32_t cell_11 = (uint32_t)((int32_t)cell_7 + right_step);
+    const uint32_t cell_12 = (uint32_t)((int32_t)cell_4 + target_step);
+    const uint32_t cell_13 = (uint32_t)((int32_t)cell_5 + target_step);
+    const uint32_t cell_14 = (uint32_t)((int32_t)cell_6 + target_step);
+    const uint32_t cell_15 = (uint32_t)((int32_t)cell_7 + target_step);
+    const uint32_t cell_16 = (uint32_t)((int32_t)cell_8 + target_step);
+    const uint32_t cell_17 = (uint32_t)((int32_t)cell_9 + target_step);
+    const uint32_t cell_18 = (uint32_t)((int32_t)cell_10 + target_step);
+    const uint32_t cell_19 = (uint32_t)((int32_t)cell_11 + target_step);
+    const uint32_t v_term = NAV_READ_U8(nav_velocity_v_rules, cell_4);
     if (majors > v_level[v_term]) {
-        v_level[v_term] = majors;
+        v_level[v_term] = (uint16_t)majors;
     }
 
-    const uint8_t w_term = NAV_READ_U8(nav_velocity_w_rules, cell_4);
+    const uint32_t w_term = NAV_READ_U8(nav_velocity_w_rules, cell_4);
     if (majors > w_level[w_term]) {
-        w_level[w_term] = majors;
+        w_level[w_term] = (uint16_t)majors;
     }
 
-    const uint8_t owner = NAV_READ_U8(nav_velocity_owners, cell_4);
+    const uint32_t owner = NAV_READ_U8(nav_velocity_owners, cell_4);
     if ((majors > strongest) || ((majors == strongest) && (owner < acting))) {
         acting = owner;
         strongest = majors;
     }
     if (left_minor > 0U) {
-        const uint8_t v_term_2 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_5);
+        const uint32_t v_term_2 = NAV_READ_U8(nav_velocity_v_rules, cell_5);
         if (left_minor > v_level[v_term_2]) {
-            v_level[v_term_2] = left_minor;
+            v_level[v_term_2] = (uint16_t)left_minor;
         }
-        const uint8_t w_term_2 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_5);
+        const uint32_t w_term_2 = NAV_READ_U8(nav_velocity_w_rules, cell_5);
         if (left_minor > w_level[w_term_2]) {
-            w_level[w_term_2] = left_minor;
+            w_level[w_term_2] = (uint16_t)left_minor;
         }
     }
     if (front_minor > 0U) {
-        const uint8_t v_term_3 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_6);
+        const uint32_t v_term_3 = NAV_READ_U8(nav_velocity_v_rules, cell_6);
         if (front_minor > v_level[v_term_3]) {
-            v_level[v_term_3] = front_minor;
+            v_level[v_term_3] = (uint16_t)front_minor;
         }
-        const uint8_t w_term_3 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_6);
+        const uint32_t w_term_3 = NAV_READ_U8(nav_velocity_w_rules, cell_6);
         if (front_minor > w_level[w_term_3]) {
-            w_level[w_term_3] = front_minor;
+            w_level[w_term_3] = (uint16_t)front_minor;
         }
-        const uint8_t v_term_4 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_7);
+        const uint32_t v_term_4 = NAV_READ_U8(nav_velocity_v_rules, cell_7);
         if (front_minor > v_level[v_term_4]) {
-            v_level[v_term_4] = front_minor;
+            v_level[v_term_4] = (uint16_t)front_minor;
         }
-        const uint8_t w_term_4 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_7);
+        const uint32_t w_term_4 = NAV_READ_U8(nav_velocity_w_rules, cell_7);
         if (front_minor > w_level[w_term_4]) {
-            w_level[w_term_4] = front_minor;
+            w_level[w_term_4] = (uint16_t)front_minor;
         }
     }
     if (right_minor > 0U) {
-        const uint8_t v_term_5 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_8);
+        const uint32_t v_term_5 = NAV_READ_U8(nav_velocity_v_rules, cell_8);
         if (right_minor > v_level[v_term_5]) {
-            v_level[v_term_5] = right_minor;
+            v_level[v_term_5] = (uint16_t)right_minor;
         }
-        const uint8_t w_term_5 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_8);
+        const uint32_t w_term_5 = NAV_READ_U8(nav_velocity_w_rules, cell_8);
         if (right_minor > w_level[w_term_5]) {
-            w_level[w_term_5] = right_minor;
+            w_level[w_term_5] = (uint16_t)right_minor;
         }
-        const uint8_t v_term_6 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_9);
+        const uint32_t v_term_6 = NAV_READ_U8(nav_velocity_v_rules, cell_9);
         if (right_minor > v_level[v_term_6]) {
-            v_level[v_term_6] = right_minor;
+            v_level[v_term_6] = (uint16_t)right_minor;
         }
-        const uint8_t w_term_6 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_9);
+        const uint32_t w_term_6 = NAV_READ_U8(nav_velocity_w_rules, cell_9);
         if (right_minor > w_level[w_term_6]) {
-            w_level[w_term_6] = right_minor;
+            w_level[w_term_6] = (uint16_t)right_minor;
         }
-        const uint8_t v_term_7 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_10);
+        const uint32_t v_term_7 = NAV_READ_U8(nav_velocity_v_rules, cell_10);
         if (right_minor > v_level[v_term_7]) {
-            v_level[v_term_7] = right_minor;
+            v_level[v_term_7] = (uint16_t)right_minor;
         }
-        const uint8_t w_term_7 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_10);
+        const uint32_t w_term_7 = NAV_READ_U8(nav_velocity_w_rules, cell_10);
         if (right_minor > w_level[w_term_7]) {
-            w_level[w_term_7] = right_minor;
+            w_level[w_term_7] = (uint16_t)right_minor;
         }
-        const uint8_t v_term_8 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_11);
+        const uint32_t v_term_8 = NAV_READ_U8(nav_velocity_v_rules, cell_11);
         if (right_minor > v_level[v_term_8]) {
-            v_level[v_term_8] = right_minor;
+            v_level[v_term_8] = (uint16_t)right_minor;
         }
-        const uint8_t w_term_8 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_11);
+        const uint32_t w_term_8 = NAV_READ_U8(nav_velocity_w_rules, cell_11);
         if (right_minor > w_level[w_term_8]) {
-            w_level[w_term_8] = right_minor;
+            w_level[w_term_8] = (uint16_t)right_minor;
         }
     }
     if (target_minor > 0U) {
-        const uint8_t v_term_9 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_12);
+        const uint32_t v_term_9 = NAV_READ_U8(nav_velocity_v_rules, cell_12);
         if (target_minor > v_level[v_term_9]) {
-            v_level[v_term_9] = target_minor;
+            v_level[v_term_9] = (uint16_t)target_minor;
         }
-        const uint8_t w_term_9 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_12);
+        const uint32_t w_term_9 = NAV_READ_U8(nav_velocity_w_rules, cell_12);
         if (target_minor > w_level[w_term_9]) {
-            w_level[w_term_9] = target_minor;
+            w_level[w_term_9] = (uint16_t)target_minor;
         }
-        const uint8_t v_term_10 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_13);
+        const uint32_t v_term_10 = NAV_READ_U8(nav_velocity_v_rules, cell_13);
         if (target_minor > v_level[v_term_10]) {
-            v_level[v_term_10] = target_minor;
+            v_level[v_term_10] = (uint16_t)target_minor;
         }
-        const uint8_t w_term_10 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_13);
+        const uint32_t w_term_10 = NAV_READ_U8(nav_velocity_w_rules, cell_13);
         if (target_minor > w_level[w_term_10]) {
-            w_level[w_term_10] = target_minor;
+            w_level[w_term_10] = (uint16_t)target_minor;
         }
-        const uint8_t v_term_11 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_14);
+        const uint32_t v_term_11 = NAV_READ_U8(nav_velocity_v_rules, cell_14);
         if (target_minor > v_level[v_term_11]) {
-            v_level[v_term_11] = target_minor;
+            v_level[v_term_11] = (uint16_t)target_minor;
         }
-        const uint8_t w_term_11 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_14);
+        const uint32_t w_term_11 = NAV_READ_U8(nav_velocity_w_rules, cell_14);
         if (target_minor > w_level[w_term_11]) {
-            w_level[w_term_11] = target_minor;
+            w_level[w_term_11] = (uint16_t)target_minor;
         }
-        const uint8_t v_term_12 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_15);
+        const uint32_t v_term_12 = NAV_READ_U8(nav_velocity_v_rules, cell_15);
         if (target_minor > v_level[v_term_12]) {
-            v_level[v_term_12] = target_minor;
+            v_level[v_term_12] = (uint16_t)target_minor;
         }
-        const uint8_t w_term_12 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_15);
+        const uint32_t w_term_12 = NAV_READ_U8(nav_velocity_w_rules, cell_15);
         if (target_minor > w_level[w_term_12]) {
-            w_level[w_term_12] = target_minor;
+            w_level[w_term_12] = (uint16_t)target_minor;
         }
-        const uint8_t v_term_13 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_16);
+        const uint32_t v_term_13 = NAV_READ_U8(nav_velocity_v_rules, cell_16);
         if (target_minor > v_level[v_term_13]) {
-            v_level[v_term_13] = target_minor;
+            v_level[v_term_13] = (uint16_t)target_minor;
         }
-        const uint8_t w_term_13 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_16);
+        const uint32_t w_term_13 = NAV_READ_U8(nav_velocity_w_rules, cell_16);
         if (target_minor > w_level[w_term_13]) {
-            w_level[w_term_13] = target_minor;
+            w_level[w_term_13] = (uint16_t)target_minor;
         }
-        const uint8_t v_term_14 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_17);
+        const uint32_t v_term_14 = NAV_READ_U8(nav_velocity_v_rules, cell_17);
         if (target_minor > v_level[v_term_14]) {
-            v_level[v_term_14] = target_minor;
+            v_level[v_term_14] = (uint16_t)target_minor;
         }
-        const uint8_t w_term_14 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_17);
+        const uint32_t w_term_14 = NAV_READ_U8(nav_velocity_w_rules, cell_17);
         if (target_minor > w_level[w_term_14]) {
-            w_level[w_term_14] = target_minor;
+            w_level[w_term_14] = (uint16_t)target_minor;
         }
-        const uint8_t v_term_15 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_18);
+        const uint32_t v_term_15 = NAV_READ_U8(nav_velocity_v_rules, cell_18);
         if (target_minor > v_level[v_term_15]) {
-            v_level[v_term_15] = target_minor;
+            v_level[v_term_15] = (uint16_t)target_minor;
         }
-        const uint8_t w_term_15 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_18);
+        const uint32_t w_term_15 = NAV_READ_U8(nav_velocity_w_rules, cell_18);
         if (target_minor > w_level[w_term_15]) {
-            w_level[w_term_15] = target_minor;
+            w_level[w_term_15] = (uint16_t)target_minor;
         }
-        const uint8_t v_term_16 = NAV_READ_U8(nav_velocity_v_rules, (uint32_t)cell_19);
+        const uint32_t v_term_16 = NAV_READ_U8(nav_velocity_v_rules, cell_19);
         if (target_minor > v_level[v_term_16]) {
-            v_level[v_term_16] = target_minor;
+            v_level[v_term_16] = (uint16_t)target_minor;
         }
-        const uint8_t w_term_16 = NAV_READ_U8(nav_velocity_w_rules, (uint32_t)cell_19);
+        const uint32_t w_term_16 = NAV_READ_U8(nav_velocity_w_rules, cell_19);
         if (target_minor > w_level[w_term_16]) {
-            w_level[w_term_16] = target_minor;
+            w_level[w_term_16] = (uint16_t)target_minor;
         }
     }
     if (left_minor == majors) {
         if (left_minor == majors) {
-            const uint8_t owner_2 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_5);
+            const uint32_t owner_2 = NAV_READ_U8(nav_velocity_owners, cell_5);
             if ((left_minor > strongest) || ((left_minor == strongest) && (owner_2 < acting))) {
                 acting = owner_2;
                 strongest = left_minor;
             }
         }
         if (front_minor == majors) {
-            const uint8_t owner_3 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_6);
+            const uint32_t owner_3 = NAV_READ_U8(nav_velocity_owners, cell_6);
             if ((front_minor > strongest) || ((front_minor == strongest) && (owner_3 < acting))) {
                 acting = owner_3;
                 strongest = front_minor;
             }
-            const uint8_t owner_4 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_7);
+            const uint32_t owner_4 = NAV_READ_U8(nav_velocity_owners, cell_7);
             if ((front_minor > strongest) || ((front_minor == strongest) && (owner_4 < acting))) {
                 acting = owner_4;
                 strongest = front_minor;
             }
         }
         if (right_minor == majors) {
-            const uint8_t owner_5 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_8);
+            const uint32_t owner_5 = NAV_READ_U8(nav_velocity_owners, cell_8);
             if ((right_minor > strongest) || ((right_minor == strongest) && (owner_5 < acting))) {
                 acting = owner_5;
                 strongest = right_minor;
             }
-            const uint8_t owner_6 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_9);
+            const uint32_t owner_6 = NAV_READ_U8(nav_velocity_owners, cell_9);
             if ((right_minor > strongest) || ((right_minor == strongest) && (owner_6 < acting))) {
                 acting = owner_6;
                 strongest = right_minor;
             }
-            const uint8_t owner_7 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_10);
+            const uint32_t owner_7 = NAV_READ_U8(nav_velocity_owners, cell_10);
             if ((right_minor > strongest) || ((right_minor == strongest) && (owner_7 < acting))) {
                 acting = owner_7;
                 strongest = right_minor;
             }
-            const uint8_t owner_8 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_11);
+            const uint32_t owner_8 = NAV_READ_U8(nav_velocity_owners, cell_11);
             if ((right_minor > strongest) || ((right_minor == strongest) && (owner_8 < acting))) {
                 acting = owner_8;
                 strongest = right_minor;
             }
         }
         if (target_minor == majors) {
-            const uint8_t owner_9 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_12);
+            const uint32_t owner_9 = NAV_READ_U8(nav_velocity_owners, cell_12);
             if ((target_minor > strongest) || ((target_minor == strongest) && (owner_9 < acting))) {
                 acting = owner_9;
                 strongest = target_minor;
             }
-            const uint8_t owner_10 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_13);
+            const uint32_t owner_10 = NAV_READ_U8(nav_velocity_owners, cell_13);
             if ((target_minor > strongest)
                 || ((target_minor == strongest) && (owner_10 < acting))) {
                 acting = owner_10;
                 strongest = target_minor;
             }
-            const uint8_t owner_11 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_14);
+            const uint32_t owner_11 = NAV_READ_U8(nav_velocity_owners, cell_14);
             if ((target_minor > strongest)
                 || ((target_minor == strongest) && (owner_11 < acting))) {
                 acting = owner_11;
                 strongest = target_minor;
             }
-            const uint8_t owner_12 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_15);
+            const uint32_t owner_12 = NAV_READ_U8(nav_velocity_owners, cell_15);
             if ((target_minor > strongest)
                 || ((target_minor == strongest) && (owner_12 < acting))) {
                 acting = owner_12;
                 strongest = target_minor;
             }
-            const uint8_t owner_13 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_16);
+            const uint32_t owner_13 = NAV_READ_U8(nav_velocity_owners, cell_16);
             if ((target_minor > strongest)
                 || ((target_minor == strongest) && (owner_13 < acting))) {
                 acting = owner_13;
                 strongest = target_minor;
             }
-            const uint8_t owner_14 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_17);
+            const uint32_t owner_14 = NAV_READ_U8(nav_velocity_owners, cell_17);
             if ((target_minor > strongest)
                 || ((target_minor == strongest) && (owner_14 < acting))) {
                 acting = owner_14;
                 strongest = target_minor;
             }
-            const uint8_t owner_15 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_18);
+            const uint32_t owner_15 = NAV_READ_U8(nav_velocity_owners, cell_18);
             if ((target_minor > strongest)
                 || ((target_minor == strongest) && (owner_15 < acting))) {
                 acting = owner_15;
                 strongest = target_minor;
             }
-            const uint8_t owner_16 = NAV_READ_U8(nav_velocity_owners, (uint32_t)cell_19);
+            const uint32_t owner_16 = NAV_READ_U8(nav_velocity_owners, cell_19);
             if ((target_minor > strongest)
                 || ((target_minor == strongest) && (owner_16 < acting))) {
                 acting = owner_16;
@@ -652,69 +652,69 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         }
     }
 
-    out->acting = acting;
+    out->acting = (uint8_t)acting;
 
     /* centroid of v: area and moment of the union of the clipped terms */
     uint32_t v_area = 0U;
     uint32_t v_moment = 0U;
     uint32_t v_overlap = 0U;
     uint32_t v_moment_off = 0U;
-    for (uint8_t k_3 = 0U; k_3 < 5U; ++k_3) {
-        const uint16_t v_h = v_level[k_3];
+    for (uint32_t k_3 = 0U; k_3 < 5U; ++k_3) {
+        const uint32_t v_h = v_level[k_3];
         if (v_h > 0U) {
             const uint32_t v_width = 65536U - v_h;
             const uint32_t v_part = ((v_h * v_width) + 2048U) >> 12U;
             v_area = v_area + v_part;
-            v_moment = v_moment + (v_part * ((uint32_t)k_3 * 2U));
+            v_moment = v_moment + (v_part * (k_3 * 2U));
         }
     }
-    for (uint8_t k_4 = 0U; k_4 < 4U; ++k_4) {
-        uint16_t v_h_2 = v_level[k_4];
-        const uint16_t v_h_3 = v_level[(uint32_t)k_4 + 1U];
+    for (uint32_t k_4 = 0U; k_4 < 4U; ++k_4) {
+        uint32_t v_h_2 = v_level[k_4];
+        const uint32_t v_h_3 = v_level[k_4 + 1U];
         if (v_h_3 < v_h_2) {
             v_h_2 = v_h_3;
         }
         if (v_h_2 > 0U) {
-            const uint16_t v_c = (v_h_2 < 16384U) ? v_h_2 : 16384U;
-            const uint32_t v_width_2 = 65536U - ((uint32_t)v_c * 2U);
+            const uint32_t v_c = (v_h_2 < 16384U) ? v_h_2 : 16384U;
+            const uint32_t v_width_2 = 65536U - (v_c * 2U);
             const uint32_t v_part_2 = ((v_c * v_width_2) + 4096U) >> 13U;
             v_overlap = v_overlap + v_part_2;
-            v_moment_off = v_moment_off + (v_part_2 * (((uint32_t)k_4 * 2U) + 1U));
+            v_moment_off = v_moment_off + (v_part_2 * ((k_4 * 2U) + 1U));
         }
     }
 
     const uint32_t v_m = (v_moment > v_moment_off) ? (v_moment - v_moment_off) : 0U;
     const uint32_t v_a = (v_area > v_overlap) ? (v_area - v_overlap) : 0U;
     const uint32_t v_t = nav_quotient(v_m, v_a * 8U);
-    const uint16_t v_steps = (uint16_t)(((v_t * 45875U) + 62259U) >> 16U);
-    out->v = v_steps;
+    const uint32_t v_steps = ((v_t * 45875U) + 62259U) >> 16U;
+    out->v = (uint16_t)v_steps;
 
     /* centroid of w: area and moment of the union of the clipped terms */
     uint32_t w_area = 0U;
     uint32_t w_moment = 0U;
     uint32_t w_overlap = 0U;
     uint32_t w_moment_off = 0U;
-    for (uint8_t k_5 = 0U; k_5 < 7U; ++k_5) {
-        const uint16_t w_h = w_level[k_5];
+    for (uint32_t k_5 = 0U; k_5 < 7U; ++k_5) {
+        const uint32_t w_h = w_level[k_5];
         if (w_h > 0U) {
             const uint32_t w_width = 65536U - w_h;
             const uint32_t w_part = ((w_h * w_width) + 4096U) >> 13U;
             w_area = w_area + w_part;
-            w_moment = w_moment + (w_part * ((uint32_t)k_5 * 2U));
+            w_moment = w_moment + (w_part * (k_5 * 2U));
         }
     }
-    for (uint8_t k_6 = 0U; k_6 < 6U; ++k_6) {
-        uint16_t w_h_2 = w_level[k_6];
-        const uint16_t w_h_3 = w_level[(uint32_t)k_6 + 1U];
+    for (uint32_t k_6 = 0U; k_6 < 6U; ++k_6) {
+        uint32_t w_h_2 = w_level[k_6];
+        const uint32_t w_h_3 = w_level[k_6 + 1U];
         if (w_h_3 < w_h_2) {
             w_h_2 = w_h_3;
         }
         if (w_h_2 > 0U) {
-            const uint16_t w_c = (w_h_2 < 16384U) ? w_h_2 : 16384U;
-            const uint32_t w_width_2 = 65536U - ((uint32_t)w_c * 2U);
+            const uint32_t w_c = (w_h_2 < 16384U) ? w_h_2 : 16384U;
+            const uint32_t w_width_2 = 65536U - (w_c * 2U);
             const uint32_t w_part_2 = ((w_c * w_width_2) + 8192U) >> 14U;
             w_overlap = w_overlap + w_part_2;
-            w_moment_off = w_moment_off + (w_part_2 * (((uint32_t)k_6 * 2U) + 1U));
+            w_moment_off = w_moment_off + (w_part_2 * ((k_6 * 2U) + 1U));
         }
     }
 
@@ -722,7 +722,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     const uint32_t w_a = (w_area > w_overlap) ? (w_area - w_overlap) : 0U;
     const uint32_t w_t = nav_quotient(w_m, w_a * 12U);
     const uint32_t w_scaled = w_t * 39322U;
-    const uint16_t w_steps = (uint16_t)(((w_scaled > 13107U) ? (w_scaled - 13107U) : 0U) >> 16U);
+    const uint32_t w_steps = ((w_scaled > 13107U) ? (w_scaled - 13107U) : 0U) >> 16U;
     out->w = (int16_t)((int32_t)((w_steps < 39320U) ? w_steps : 39320U) - 19660);
 
     return status;
@@ -732,7 +732,7 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
 {
     nav_status_t status = NAV_OK;
 
-    int16_t target_bearing = in->target_bearing;
+    int32_t target_bearing = in->target_bearing;
     if (target_bearing < -23040) {
         target_bearing = -23040;
         status = (nav_status_t)(status | NAV_SATURATED_TARGET_BEARING);
@@ -751,15 +751,15 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
         obstacles_used = NAV_OBSTACLES_MAX;
         status = (nav_status_t)(status | NAV_OVERRUN_OBSTACLES);
     }
-    for (uint8_t n = 0U; n < obstacles_used; ++n) {
+    for (uint32_t n = 0U; n < obstacles_used; ++n) {
         const nav_obstacle_t *const obstacle = &in->obstacles[n];
 
-        uint16_t distance = obstacle->distance;
+        uint32_t distance = obstacle->distance;
         if (distance > 32768U) {
             distance = 32768U;
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_DISTANCE);
         }
-        int16_t bearing = obstacle->bearing;
+        int32_t bearing = obstacle->bearing;
         if (bearing < -23040) {
             bearing = -23040;
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_BEARING);
@@ -768,26 +768,26 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
             bearing = 23040;
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_BEARING);
         }
-        uint16_t speed = obstacle->speed;
+        uint32_t speed = obstacle->speed;
         if (speed > 32768U) {
             speed = 32768U;
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_SPEED);
         }
-        uint16_t radius = obstacle->radius;
+        uint32_t radius = obstacle->radius;
         if (radius > 32768U) {
             radius = 32768U;
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_RADIUS);
         }
 
         /* gap of this element */
-        const int32_t gap = (int32_t)((uint32_t)distance * 8U) - (int32_t)radius;
+        const int32_t gap = (int32_t)(distance * 8U) - (int32_t)radius;
         const int32_t gap_2 = (gap * 5) - 32768;
         const uint32_t gap_3 = (gap_2 > 0) ? (uint32_t)gap_2 : 0U;
 
         /* danger_1: danger */
-        const uint32_t danger_1_eta_t_den = (uint32_t)speed * 120U;
+        const uint32_t danger_1_eta_t_den = speed * 120U;
         const uint32_t danger_1_eta_t = nav_quotient(gap_3, danger_1_eta_t_den);
-        const uint32_t danger_1_eta_t_zero_den = (uint32_t)speed * 20U;
+        const uint32_t danger_1_eta_t_zero_den = speed * 20U;
         const uint32_t danger_1_eta_t_2 = ((gap_3 == 0U) && (danger_1_eta_t_zero_den == 0U))
             ? 65536U : danger_1_eta_t;
         const uint32_t danger_1_eta_t_near = ((danger_1_eta_t_2 * 3U) + 3U) >> 2U;
@@ -798,7 +798,7 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
         danger_1_in.eta_t = (uint16_t)danger_1_eta_t_near;
         danger_1_in.eta_d = (uint16_t)danger_1_eta_d_near;
         (void)nav_danger(&danger_1_in, &danger_1_out);
-        const uint16_t danger_1_ddc = danger_1_out.ddc;
+        const uint32_t danger_1_ddc = danger_1_out.ddc;
 
         /* max over obstacles */
         if (((bearing >= -11520) && (bearing <= -3840)) && (danger_1_ddc > max_best)) {
@@ -817,7 +817,7 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
     }
 
     /* drive: velocity */
-    const uint32_t drive_target_up = (uint32_t)((int32_t)target_bearing + 23040);
+    const uint32_t drive_target_up = (uint32_t)(target_bearing + 23040);
     const uint32_t drive_target_up_2 = (drive_target_up > 11520U) ? (drive_target_up - 11520U) : 0U;
     const uint32_t drive_target_up_3 = (drive_target_up_2 < 23040U) ? drive_target_up_2 : 23040U;
     const uint32_t drive_target_near = drive_target_up_3 * 2U;
@@ -829,22 +829,22 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
     drive_in.right = (uint16_t)max_best_3;
     drive_in.target = (int16_t)drive_target_raw;
     (void)nav_velocity(&drive_in, &drive_out);
-    const uint16_t drive_v = drive_out.v;
-    const int16_t drive_w = drive_out.w;
-    const uint8_t drive_acting = drive_out.acting;
-    out->v = drive_v;
-    out->w = drive_w;
-    out->acting = drive_acting;
+    const uint32_t drive_v = drive_out.v;
+    const int32_t drive_w = drive_out.w;
+    const uint32_t drive_acting = drive_out.acting;
+    out->v = (uint16_t)drive_v;
+    out->w = (int16_t)drive_w;
+    out->acting = (uint8_t)drive_acting;
 
     /* output v_left */
-    const int32_t v_left = (int32_t)((uint32_t)drive_v * 20U) + ((int32_t)drive_w * 3);
+    const int32_t v_left = (int32_t)(drive_v * 20U) + (drive_w * 3);
     const uint32_t v_left_up = (uint32_t)(v_left + 58980);
     const uint32_t v_left_up_2 = (v_left_up > 20U) ? (v_left_up - 20U) : 0U;
     const uint32_t v_left_near = (v_left_up_2 + 20U) / 40U;
     out->v_left = (int16_t)((int32_t)v_left_near - 1474);
 
     /* output v_right */
-    const int32_t v_right = (int32_t)((uint32_t)drive_v * 20U) - ((int32_t)drive_w * 3);
+    const int32_t v_right = (int32_t)(drive_v * 20U) - (drive_w * 3);
     const uint32_t v_right_up = (uint32_t)(v_right + 58980);
     const uint32_t v_right_up_2 = (v_right_up > 20U) ? (v_right_up - 20U) : 0U;
     const uint32_t v_right_near = (v_right_up_2 + 20U) / 40U;

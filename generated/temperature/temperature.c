@@ -44,7 +44,7 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
     temperature_status_t status = TEMPERATURE_OK;
 
     /* error: degrees of cold, near, hot */
-    int16_t error = in->error;
+    int32_t error = in->error;
     if (error < -1000) {
         error = -1000;
         status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_ERROR);
@@ -54,113 +54,113 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
         status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_ERROR);
     }
 
-    const uint16_t error_at = (uint16_t)((int32_t)error + 1000);
-    uint16_t error_d = 0U;
-    uint8_t error_term = 0U;
+    const uint32_t error_at = (uint32_t)(error + 1000);
+    uint32_t error_d = 0U;
+    uint32_t error_term = 0U;
     if (error_at < 1000U) {
-        const uint16_t error_u_2 = error_at;
-        error_d = (uint16_t)(((error_u_2 * 2147484U) + 32592U) >> 16U);
+        const uint32_t error_u_2 = error_at;
+        error_d = ((error_u_2 * 2147484U) + 32592U) >> 16U;
     } else {
         error_term = 1U;
-        const uint16_t error_u = (uint16_t)((uint32_t)error_at - 1000U);
-        error_d = (uint16_t)(((error_u * 2147484U) + 32592U) >> 16U);
+        const uint32_t error_u = error_at - 1000U;
+        error_d = ((error_u * 2147484U) + 32592U) >> 16U;
     }
 
     uint16_t error_mu[3];
-    for (uint8_t k = 0U; k < 3U; ++k) {
+    for (uint32_t k = 0U; k < 3U; ++k) {
         error_mu[k] = 0U;
     }
 
-    error_mu[error_term] = (uint16_t)(32768U - (uint32_t)error_d);
-    error_mu[(uint32_t)error_term + 1U] = error_d;
+    error_mu[error_term] = (uint16_t)(32768U - error_d);
+    error_mu[error_term + 1U] = (uint16_t)error_d;
 
     /* rate: degrees of falling, steady, rising */
-    uint16_t rate = in->rate;
+    uint32_t rate = in->rate;
     if (rate > 4095U) {
         rate = 4095U;
         status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_RATE);
     }
 
     uint16_t rate_mu[3];
-    for (uint8_t k_2 = 0U; k_2 < 3U; ++k_2) {
+    for (uint32_t k_2 = 0U; k_2 < 3U; ++k_2) {
         rate_mu[k_2] = 0U;
     }
     if (rate <= 1023U) {
         rate_mu[0U] = 32768U;
     } else if (rate <= 2047U) {
-        rate_mu[0U] = (uint16_t)((2146991936U - (((uint32_t)rate - 1024U) * 2097664U)) >> 16U);
+        rate_mu[0U] = (uint16_t)((2146991936U - ((rate - 1024U) * 2097664U)) >> 16U);
     } else {
         /* Nothing to do. */
     }
     if (rate > 1023U) {
         if (rate <= 2047U) {
-            rate_mu[1U] = (uint16_t)(((((uint32_t)rate - 1024U) * 2097664U) + 557248U) >> 16U);
+            rate_mu[1U] = (uint16_t)((((rate - 1024U) * 2097664U) + 557248U) >> 16U);
         } else if (rate <= 3071U) {
-            rate_mu[1U] = (uint16_t)((2146467520U - (((uint32_t)rate - 2048U) * 2097664U)) >> 16U);
+            rate_mu[1U] = (uint16_t)((2146467520U - ((rate - 2048U) * 2097664U)) >> 16U);
         } else {
             /* Nothing to do. */
         }
     }
     if (rate > 2047U) {
         if (rate <= 3071U) {
-            rate_mu[2U] = (uint16_t)(((((uint32_t)rate - 2048U) * 2097664U) + 1081664U) >> 16U);
+            rate_mu[2U] = (uint16_t)((((rate - 2048U) * 2097664U) + 1081664U) >> 16U);
         } else {
             rate_mu[2U] = 32768U;
         }
     }
 
     uint16_t duty_level[3];
-    for (uint8_t k_3 = 0U; k_3 < 3U; ++k_3) {
+    for (uint32_t k_3 = 0U; k_3 < 3U; ++k_3) {
         duty_level[k_3] = 0U;
     }
 
     uint32_t duty_strongest = 0U;
 
     /* rule 1 */
-    const uint16_t error_is_hot = error_mu[2U];
-    const uint16_t rate_is_falling = rate_mu[0U];
-    const uint16_t not_so = (uint16_t)(32768U - (uint32_t)rate_is_falling);
-    const uint16_t both = (error_is_hot < not_so) ? error_is_hot : not_so;
+    const uint32_t error_is_hot = error_mu[2U];
+    const uint32_t rate_is_falling = rate_mu[0U];
+    const uint32_t not_so = 32768U - rate_is_falling;
+    const uint32_t both = (error_is_hot < not_so) ? error_is_hot : not_so;
     if (both > duty_level[2U]) {
-        duty_level[2U] = both;
+        duty_level[2U] = (uint16_t)both;
     }
     if (both > duty_strongest) {
         duty_strongest = both;
     }
 
     /* rule 2 */
-    const uint16_t error_is_hot_2 = error_mu[2U];
-    const uint16_t rate_is_falling_2 = rate_mu[0U];
-    const uint16_t both_2 = (error_is_hot_2 < rate_is_falling_2) ? error_is_hot_2
+    const uint32_t error_is_hot_2 = error_mu[2U];
+    const uint32_t rate_is_falling_2 = rate_mu[0U];
+    const uint32_t both_2 = (error_is_hot_2 < rate_is_falling_2) ? error_is_hot_2
         : rate_is_falling_2;
     if (both_2 > duty_level[1U]) {
-        duty_level[1U] = both_2;
+        duty_level[1U] = (uint16_t)both_2;
     }
     if (both_2 > duty_strongest) {
         duty_strongest = both_2;
     }
 
     /* rule 3 */
-    const uint16_t error_is_cold = error_mu[0U];
-    const uint16_t rate_is_falling_3 = rate_mu[0U];
-    const uint16_t error_is_near = error_mu[1U];
-    const uint16_t both_3 = (rate_is_falling_3 < error_is_near) ? rate_is_falling_3 : error_is_near;
-    const uint16_t either = (error_is_cold > both_3) ? error_is_cold : both_3;
+    const uint32_t error_is_cold = error_mu[0U];
+    const uint32_t rate_is_falling_3 = rate_mu[0U];
+    const uint32_t error_is_near = error_mu[1U];
+    const uint32_t both_3 = (rate_is_falling_3 < error_is_near) ? rate_is_falling_3 : error_is_near;
+    const uint32_t either = (error_is_cold > both_3) ? error_is_cold : both_3;
     if (either > duty_level[0U]) {
-        duty_level[0U] = either;
+        duty_level[0U] = (uint16_t)either;
     }
     if (either > duty_strongest) {
         duty_strongest = either;
     }
 
     /* rule 4 */
-    const uint16_t rate_is_rising = rate_mu[2U];
-    const uint16_t error_is_cold_2 = error_mu[0U];
-    const uint16_t not_so_2 = (uint16_t)(32768U - (uint32_t)error_is_cold_2);
-    const uint16_t both_4 = (rate_is_rising < not_so_2) ? rate_is_rising : not_so_2;
-    const uint16_t weighted = (uint16_t)((((uint32_t)both_4 * 26214U) + 16384U) >> 15U);
+    const uint32_t rate_is_rising = rate_mu[2U];
+    const uint32_t error_is_cold_2 = error_mu[0U];
+    const uint32_t not_so_2 = 32768U - error_is_cold_2;
+    const uint32_t both_4 = (rate_is_rising < not_so_2) ? rate_is_rising : not_so_2;
+    const uint32_t weighted = ((both_4 * 26214U) + 16384U) >> 15U;
     if (weighted > duty_level[1U]) {
-        duty_level[1U] = weighted;
+        duty_level[1U] = (uint16_t)weighted;
     }
     if (weighted > duty_strongest) {
         duty_strongest = weighted;
@@ -173,29 +173,29 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
         uint32_t duty_moment = 0U;
         uint32_t duty_overlap = 0U;
         uint32_t duty_moment_off = 0U;
-        const uint16_t duty_h = duty_level[0U];
+        const uint32_t duty_h = duty_level[0U];
         if (duty_h > 0U) {
-            const uint32_t duty_width = 49152U - ((((uint32_t)duty_h * 3U) + 2U) >> 2U);
+            const uint32_t duty_width = 49152U - (((duty_h * 3U) + 2U) >> 2U);
             const uint32_t duty_part = ((duty_h * duty_width) + 2048U) >> 12U;
-            const uint32_t duty_moment_slope = 36864U - ((((uint32_t)duty_h * 3U) + 4U) >> 3U);
+            const uint32_t duty_moment_slope = 36864U - (((duty_h * 3U) + 4U) >> 3U);
             const uint32_t duty_moment_width = 36864U
                 - (((duty_h * duty_moment_slope) + 16384U) >> 15U);
             const uint32_t duty_turn = ((duty_h * duty_moment_width) + 1024U) >> 11U;
             duty_area = duty_area + duty_part;
             duty_moment = duty_moment + duty_turn;
         }
-        const uint16_t duty_h_2 = duty_level[1U];
+        const uint32_t duty_h_2 = duty_level[1U];
         if (duty_h_2 > 0U) {
-            const uint32_t duty_width_2 = 49152U - (((uint32_t)duty_h_2 + 1U) >> 1U);
+            const uint32_t duty_width_2 = 49152U - ((duty_h_2 + 1U) >> 1U);
             const uint32_t duty_part_2 = ((duty_h_2 * duty_width_2) + 1024U) >> 11U;
             duty_area = duty_area + duty_part_2;
             duty_moment = duty_moment + (duty_part_2 * 5U);
         }
-        const uint16_t duty_h_3 = duty_level[2U];
+        const uint32_t duty_h_3 = duty_level[2U];
         if (duty_h_3 > 0U) {
-            const uint32_t duty_width_3 = 65536U - ((((uint32_t)duty_h_3 * 3U) + 2U) >> 2U);
+            const uint32_t duty_width_3 = 65536U - (((duty_h_3 * 3U) + 2U) >> 2U);
             const uint32_t duty_part_3 = ((duty_h_3 * duty_width_3) + 2048U) >> 12U;
-            const uint32_t duty_moment_slope_2 = 49152U - ((((uint32_t)duty_h_3 * 3U) + 4U) >> 3U);
+            const uint32_t duty_moment_slope_2 = 49152U - (((duty_h_3 * 3U) + 4U) >> 3U);
             const uint32_t duty_moment_width_2 = 65536U
                 - (((duty_h_3 * duty_moment_slope_2) + 16384U) >> 15U);
             const uint32_t duty_turn_2 = ((duty_h_3 * duty_moment_width_2) + 1024U) >> 11U;
@@ -203,17 +203,16 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
             duty_moment = duty_moment + (duty_part_3 * 10U);
             duty_moment_off = duty_moment_off + duty_turn_2;
         }
-        uint16_t duty_h_4 = duty_level[0U];
-        const uint16_t duty_h_5 = duty_level[1U];
+        uint32_t duty_h_4 = duty_level[0U];
+        const uint32_t duty_h_5 = duty_level[1U];
         if (duty_h_5 < duty_h_4) {
             duty_h_4 = duty_h_5;
         }
         if (duty_h_4 > 0U) {
-            const uint16_t duty_c = (duty_h_4 < 6553U) ? duty_h_4 : 6553U;
-            const uint32_t duty_width_4 = 65536U - ((uint32_t)duty_c * 5U);
+            const uint32_t duty_c = (duty_h_4 < 6553U) ? duty_h_4 : 6553U;
+            const uint32_t duty_width_4 = 65536U - (duty_c * 5U);
             const uint32_t duty_part_4 = ((duty_c * duty_width_4) + 8192U) >> 14U;
-            const uint32_t duty_moment_slope_3 = 49152U
-                - ((((uint32_t)duty_c * 27307U) + 16384U) >> 15U);
+            const uint32_t duty_moment_slope_3 = 49152U - (((duty_c * 27307U) + 16384U) >> 15U);
             const uint32_t duty_moment_width_3 = 65536U
                 - (((duty_c * duty_moment_slope_3) + 4096U) >> 13U);
             const uint32_t duty_turn_3 = ((duty_c * duty_moment_width_3) + 16384U) >> 15U;
@@ -221,17 +220,16 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
             duty_moment_off = duty_moment_off + (duty_part_4 * 2U);
             duty_moment_off = duty_moment_off + duty_turn_3;
         }
-        uint16_t duty_h_6 = duty_level[1U];
-        const uint16_t duty_h_7 = duty_level[2U];
+        uint32_t duty_h_6 = duty_level[1U];
+        const uint32_t duty_h_7 = duty_level[2U];
         if (duty_h_7 < duty_h_6) {
             duty_h_6 = duty_h_7;
         }
         if (duty_h_6 > 0U) {
-            const uint16_t duty_c_2 = (duty_h_6 < 13107U) ? duty_h_6 : 13107U;
-            const uint32_t duty_width_5 = 65536U - ((((uint32_t)duty_c_2 * 5U) + 1U) >> 1U);
+            const uint32_t duty_c_2 = (duty_h_6 < 13107U) ? duty_h_6 : 13107U;
+            const uint32_t duty_width_5 = 65536U - (((duty_c_2 * 5U) + 1U) >> 1U);
             const uint32_t duty_part_5 = ((duty_c_2 * duty_width_5) + 4096U) >> 13U;
-            const uint32_t duty_moment_slope_4 = ((((uint32_t)duty_c_2 * 13653U) + 16384U) >> 15U)
-                + 32768U;
+            const uint32_t duty_moment_slope_4 = (((duty_c_2 * 13653U) + 16384U) >> 15U) + 32768U;
             const uint32_t duty_moment_width_4 = 65536U
                 - (((duty_c_2 * duty_moment_slope_4) + 8192U) >> 14U);
             const uint32_t duty_turn_4 = ((duty_c_2 * duty_moment_width_4) + 4096U) >> 13U;
@@ -243,9 +241,9 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
             : 0U;
         const uint32_t duty_a = (duty_area > duty_overlap) ? (duty_area - duty_overlap) : 0U;
         const uint32_t duty_t = temperature_quotient(duty_m, duty_a * 10U);
-        const uint8_t duty_steps = (uint8_t)(((duty_t * 51200U) + 8414208U) >> 24U);
-        out->duty = duty_steps;
-        state->duty = duty_steps;
+        const uint32_t duty_steps = ((duty_t * 51200U) + 8414208U) >> 24U;
+        out->duty = (uint8_t)duty_steps;
+        state->duty = (uint8_t)duty_steps;
     } else {
         out->duty = state->duty;
         status = (temperature_status_t)(status | TEMPERATURE_FAN_HELD_DUTY);
@@ -265,7 +263,7 @@ temperature_status_t temperature_step(temperature_state_t *state,
 {
     temperature_status_t status = TEMPERATURE_OK;
 
-    int16_t measured = in->measured;
+    int32_t measured = in->measured;
     if (measured < -5120) {
         measured = -5120;
         status = (temperature_status_t)(status | TEMPERATURE_SATURATED_MEASURED);
@@ -275,7 +273,7 @@ temperature_status_t temperature_step(temperature_state_t *state,
         status = (temperature_status_t)(status | TEMPERATURE_SATURATED_MEASURED);
     }
 
-    uint16_t set_point = in->set_point;
+    uint32_t set_point = in->set_point;
     if (set_point < 10240U) {
         set_point = 10240U;
         status = (temperature_status_t)(status | TEMPERATURE_SATURATED_SET_POINT);
@@ -285,14 +283,14 @@ temperature_status_t temperature_step(temperature_state_t *state,
         status = (temperature_status_t)(status | TEMPERATURE_SATURATED_SET_POINT);
     }
 
-    uint16_t rate = in->rate;
+    uint32_t rate = in->rate;
     if (rate > 4095U) {
         rate = 4095U;
         status = (temperature_status_t)(status | TEMPERATURE_SATURATED_RATE);
     }
 
     /* drive: fan */
-    const int32_t drive_error = ((int32_t)measured * 4) - (int32_t)set_point;
+    const int32_t drive_error = (measured * 4) - (int32_t)set_point;
     const uint32_t drive_error_up = (uint32_t)(drive_error + 61440);
     const uint32_t drive_error_up_2 = (drive_error_up > 51200U) ? (drive_error_up - 51200U) : 0U;
     const uint32_t drive_error_up_3 = (drive_error_up_2 < 20480U) ? drive_error_up_2 : 20480U;
@@ -301,13 +299,13 @@ temperature_status_t temperature_step(temperature_state_t *state,
     temperature_fan_input_t drive_in;
     temperature_fan_output_t drive_out;
     drive_in.error = (int16_t)drive_error_raw;
-    drive_in.rate = rate;
+    drive_in.rate = (uint16_t)rate;
     const temperature_status_t drive_status = temperature_fan(&state->drive, &drive_in, &drive_out);
     if ((drive_status & TEMPERATURE_FAN_HELD_DUTY) != 0U) {
         status = (temperature_status_t)(status | TEMPERATURE_HELD_DUTY);
     }
-    const uint8_t drive_duty = drive_out.duty;
-    out->duty = drive_duty;
+    const uint32_t drive_duty = drive_out.duty;
+    out->duty = (uint8_t)drive_duty;
 
     return status;
 }

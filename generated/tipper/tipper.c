@@ -37,52 +37,52 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
     tipper_status_t status = TIPPER_OK;
 
     /* service: degrees of poor, good, excellent */
-    uint16_t service = in->service;
+    uint32_t service = in->service;
     if (service > 40960U) {
         service = 40960U;
         status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_SERVICE);
     }
 
-    uint16_t service_d = 0U;
-    uint8_t service_term = 0U;
+    uint32_t service_d = 0U;
+    uint32_t service_term = 0U;
     if (service < 20480U) {
-        const uint16_t service_u_2 = service;
-        service_d = (uint16_t)(((service_u_2 * 104858U) + 28672U) >> 16U);
+        const uint32_t service_u_2 = service;
+        service_d = ((service_u_2 * 104858U) + 28672U) >> 16U;
     } else {
         service_term = 1U;
-        const uint16_t service_u = (uint16_t)((uint32_t)service - 20480U);
-        service_d = (uint16_t)(((service_u * 104858U) + 28672U) >> 16U);
+        const uint32_t service_u = service - 20480U;
+        service_d = ((service_u * 104858U) + 28672U) >> 16U;
     }
 
     uint16_t service_mu[3];
-    for (uint8_t k = 0U; k < 3U; ++k) {
+    for (uint32_t k = 0U; k < 3U; ++k) {
         service_mu[k] = 0U;
     }
 
-    service_mu[service_term] = (uint16_t)(32768U - (uint32_t)service_d);
-    service_mu[(uint32_t)service_term + 1U] = service_d;
+    service_mu[service_term] = (uint16_t)(32768U - service_d);
+    service_mu[service_term + 1U] = (uint16_t)service_d;
 
     /* food: degrees of rancid, delicious */
-    uint16_t food = in->food;
+    uint32_t food = in->food;
     if (food > 40960U) {
         food = 40960U;
         status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_FOOD);
     }
 
     uint16_t food_mu[2];
-    for (uint8_t k_2 = 0U; k_2 < 2U; ++k_2) {
+    for (uint32_t k_2 = 0U; k_2 < 2U; ++k_2) {
         food_mu[k_2] = 0U;
     }
     if (food <= 4095U) {
         food_mu[0U] = 32768U;
     } else if (food <= 12287U) {
-        food_mu[0U] = (uint16_t)(32768U - (((uint32_t)food - 4096U) * 4U));
+        food_mu[0U] = (uint16_t)(32768U - ((food - 4096U) * 4U));
     } else {
         /* Nothing to do. */
     }
     if (food > 28671U) {
         if (food <= 36863U) {
-            food_mu[1U] = (uint16_t)(((uint32_t)food - 28672U) * 4U);
+            food_mu[1U] = (uint16_t)((food - 28672U) * 4U);
         } else if (food <= 40959U) {
             food_mu[1U] = 32768U;
         } else {
@@ -91,50 +91,50 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
     }
 
     uint16_t tip_level[3];
-    for (uint8_t k_3 = 0U; k_3 < 3U; ++k_3) {
+    for (uint32_t k_3 = 0U; k_3 < 3U; ++k_3) {
         tip_level[k_3] = 0U;
     }
 
     /* rule 1 */
-    const uint16_t service_is_poor = service_mu[0U];
-    const uint16_t food_is_rancid = food_mu[0U];
-    const uint16_t either = (service_is_poor > food_is_rancid) ? service_is_poor : food_is_rancid;
+    const uint32_t service_is_poor = service_mu[0U];
+    const uint32_t food_is_rancid = food_mu[0U];
+    const uint32_t either = (service_is_poor > food_is_rancid) ? service_is_poor : food_is_rancid;
     if (either > tip_level[0U]) {
-        tip_level[0U] = either;
+        tip_level[0U] = (uint16_t)either;
     }
 
     /* rule 2 */
-    const uint16_t service_is_good = service_mu[1U];
+    const uint32_t service_is_good = service_mu[1U];
     if (service_is_good > tip_level[1U]) {
-        tip_level[1U] = service_is_good;
+        tip_level[1U] = (uint16_t)service_is_good;
     }
 
     /* rule 3 */
-    const uint16_t service_is_excellent = service_mu[2U];
-    const uint16_t food_is_delicious = food_mu[1U];
-    const uint16_t either_2 = (service_is_excellent > food_is_delicious) ? service_is_excellent
+    const uint32_t service_is_excellent = service_mu[2U];
+    const uint32_t food_is_delicious = food_mu[1U];
+    const uint32_t either_2 = (service_is_excellent > food_is_delicious) ? service_is_excellent
         : food_is_delicious;
     if (either_2 > tip_level[2U]) {
-        tip_level[2U] = either_2;
+        tip_level[2U] = (uint16_t)either_2;
     }
 
     /* centroid of tip: area and moment of the union of the clipped terms */
     uint32_t tip_area = 0U;
     uint32_t tip_moment = 0U;
-    for (uint8_t k_4 = 0U; k_4 < 3U; ++k_4) {
-        const uint16_t tip_h = tip_level[k_4];
+    for (uint32_t k_4 = 0U; k_4 < 3U; ++k_4) {
+        const uint32_t tip_h = tip_level[k_4];
         if (tip_h > 0U) {
             const uint32_t tip_width = 65536U - tip_h;
             const uint32_t tip_part = ((tip_h * tip_width) + 1024U) >> 11U;
             tip_area = tip_area + tip_part;
-            tip_moment = tip_moment + (tip_part * (((uint32_t)k_4 * 2U) + 1U));
+            tip_moment = tip_moment + (tip_part * ((k_4 * 2U) + 1U));
         }
     }
 
     const uint32_t tip_a = tip_area;
     const uint32_t tip_t = tipper_quotient(tip_moment, tip_a * 6U);
-    const uint16_t tip_steps = (uint16_t)(((tip_t * 61440U) + 63488U) >> 16U);
-    out->tip = tip_steps;
+    const uint32_t tip_steps = ((tip_t * 61440U) + 63488U) >> 16U;
+    out->tip = (uint16_t)tip_steps;
 
     return status;
 }

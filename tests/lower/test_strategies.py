@@ -13,6 +13,7 @@ from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.fixed.run import initial_state
 from fuzzyspec.lower.choice import strategies
 from fuzzyspec.lower.controller import lower_controller
+from fuzzyspec.lower.widths import fit_widths
 from fuzzyspec.model.controller import Controller
 from tests.random_specs.generator import spec
 
@@ -20,8 +21,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def programs(controller: Controller) -> list[Function]:
-    """By every strategy that applies, loops first."""
-    return [lower_controller(controller, strategy)[0] for strategy in strategies(controller)]
+    """By every strategy that applies, loops first; all fitted to a narrow machine, the first also as it is lowered."""
+    first, *others = (lower_controller(controller, strategy)[0] for strategy in strategies(controller))
+    return [first, *(fit_widths(function, "narrow") for function in (first, *others))]
 
 
 def same_integers(controller: Controller, cases: int) -> None:

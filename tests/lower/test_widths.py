@@ -1,0 +1,44 @@
+"""Widths: what the machine's registers decide about the C types of locals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fuzzyspec import load
+from fuzzyspec.fixed.build import LIMITS
+from fuzzyspec.fixed.program import Define, Local, Loop, Stmt
+from fuzzyspec.lower.module import Options, lower
+from fuzzyspec.lower.strategy import Target
+
+ROOT = Path(__file__).resolve().parents[2]
+SPECS = sorted((*ROOT.glob("examples/*.fz"), *ROOT.glob("benchmarks/*.fz")))
+
+
+def locals_of(body: tuple[Stmt, ...]) -> list[Local]:
+    """The locals that statements declare, those of inner blocks left out, those of loops not."""
+    found = [s.local for s in body if isinstance(s, Define)]
+    return found + [s.counter for s in body if isinstance(s, Loop)]
+
+
+@pytest.mark.parametrize("target", ["generic", "cortex-m0plus", "cortex-m4", "rv32imc"])
+def test_words_on_machines_of_32_bits(target: Target) -> None:
+    """Every local fills a register, so that nothing is cut to a narrower type on the way."""
+    for path in SPECS:
+        for function in lower(load(path).module, Options(target=target)).program.functions:
+            assert {local.ctype for local in locals_of(function.body)} <= {"uint32", "int32"}
+
+
+def test_the_narrowest_types_on_a_machine_of_8_bits() -> None:
+    """Every local has the smallest type that holds its interval."""
+    found = [
+        local
+        for path in SPECS
+        for function in lower(load(path).module, Options(target="avr")).program.functions
+        for local in locals_of(function.body)
+    ]
+    for local in found:
+        low, high = LIMITS[local.ctype]
+        assert low <= local.lo and local.hi <= high
+    assert {"uint8", "int8", "uint16", "uint32"} <= {local.ctype for local in found}
