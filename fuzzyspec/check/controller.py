@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
+from fuzzyspec.check.budgets import check_budgets
 from fuzzyspec.check.constants import Constants
 from fuzzyspec.check.findings import Report
 from fuzzyspec.check.inference import resolve_inference
@@ -107,6 +108,7 @@ class _ControllerChecker:
             rules.always_fires,
             decl.span,
             rules.account,
+            check_budgets(decl.items, self._constants),
         )
         sound = self._constants.findings.errors == before and not self._torn
         return CheckedController(controller, frozenset(self._vague), sound, decl.name)

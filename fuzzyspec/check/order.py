@@ -70,7 +70,7 @@ def definitions(items: tuple[tree.SystemItem, ...]) -> dict[Key, tuple[Span, tre
                     if len(let.target.parts) == 2:
                         key = over.text, let.target.parts[1].text
                         found.setdefault(key, (let.target.span, let.value, {loop.text: over.text}))
-            case tree.SystemInput() | tree.ListInput() | tree.SystemOutput():
+            case tree.SystemInput() | tree.ListInput() | tree.SystemOutput() | tree.BudgetBlock():
                 pass
             case _:
                 assert_never(item)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from fuzzyspec.check.arithmetic import Value
+from fuzzyspec.check.budgets import check_budgets
 from fuzzyspec.check.calls import Calls
 from fuzzyspec.check.constants import Constants
 from fuzzyspec.check.controller import CheckedController
@@ -92,6 +93,8 @@ class _SystemChecker:
                     self._for_each(item)
                 case tree.SystemOutput():
                     outputs.append(item)
+                case tree.BudgetBlock():
+                    pass
         checked, calls = Outputs(self._scope, self._variables, self._ports).check(outputs)
         self._statements += calls
         if not outputs and not self._torn:
@@ -104,7 +107,12 @@ class _SystemChecker:
             )
         self._warn_unused()
         return System(
-            self._decl.name.text, tuple(self._inputs), tuple(self._statements), tuple(checked), self._decl.span
+            self._decl.name.text,
+            tuple(self._inputs),
+            tuple(self._statements),
+            tuple(checked),
+            self._decl.span,
+            check_budgets(self._decl.items, self._constants),
         )
 
     # --- declarations ------------------------------------------------------------------------

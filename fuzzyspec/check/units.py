@@ -6,6 +6,7 @@ dimension of its own, so that mixing the two is found; ``to_rad`` goes from one 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 
 from fuzzyspec.check.findings import Report
@@ -114,6 +115,14 @@ class Units:
 
     def __contains__(self, symbol: str) -> bool:
         return symbol in self._known
+
+    def extended(self, more: Iterable[Unit]) -> Units:
+        """These units and some that are known in one place only."""
+        extended = Units()
+        extended._known = self._known | {u.symbol: u for u in more}
+        extended._broken = self._broken
+        extended.later = self.later
+        return extended
 
     def add(self, unit: Unit) -> None:
         self._known[unit.symbol] = unit

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fuzzyspec.diagnostics import codes_internal, codes_names, codes_numbers, codes_rules, codes_syntax
+from fuzzyspec.diagnostics import codes_budgets, codes_internal, codes_names, codes_numbers, codes_rules, codes_syntax
 from fuzzyspec.diagnostics.code import Code
 
 __all__ = ["REGISTRY", "Code"]
@@ -12,6 +12,7 @@ _ALL: tuple[Code, ...] = (
     *codes_names.CODES,
     *codes_rules.CODES,
     *codes_numbers.CODES,
+    *codes_budgets.CODES,
     *codes_internal.CODES,
 )
 

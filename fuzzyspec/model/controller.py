@@ -8,6 +8,7 @@ from typing import Literal
 
 from fuzzyspec.diagnostics.diagnostic import Span
 from fuzzyspec.model.account import Account
+from fuzzyspec.model.budget import Budget
 from fuzzyspec.model.term import Term
 from fuzzyspec.model.variable import Variable
 
@@ -152,6 +153,8 @@ class Controller:
     span: Span
     account: Account | None = None
     """How the rules shared the cells; None where there are no cells."""
+    budgets: tuple[Budget, ...] = ()
+    """What a call may cost."""
 
     @property
     def holds(self) -> bool:

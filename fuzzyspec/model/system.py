@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import Literal
 
 from fuzzyspec.diagnostics.diagnostic import Span
+from fuzzyspec.model.budget import Budget
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.variable import Variable
 
@@ -273,6 +274,8 @@ class System:
     statements: tuple[Statement, ...]
     outputs: tuple[SystemOutput | ActingOutput, ...]
     span: Span
+    budgets: tuple[Budget, ...] = ()
+    """What a step may cost."""
 
     @property
     def calls(self) -> tuple[Call, ...]:
@@ -297,3 +300,8 @@ class Module:
     name: str
     controllers: tuple[Controller, ...]
     systems: tuple[System, ...]
+
+    def budgets(self, function: str) -> tuple[Budget, ...]:
+        """What a call of a controller or system may cost; nothing is said of other functions."""
+        found = {c.name: c.budgets for c in self.controllers} | {s.name: s.budgets for s in self.systems}
+        return found.get(function, ())

@@ -1,4 +1,4 @@
-"""Builders of declarations, variables, terms and rules."""
+"""Builders of declarations, variables, terms, rules and budgets."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 from fuzzyspec.diagnostics.diagnostic import Span
 from fuzzyspec.syntax import tree
 from fuzzyspec.syntax.builders import Builder, entering, name_of, raw_among, trailing_unit
+from fuzzyspec.syntax.tokens import MISSING
 
 BUILDERS: dict[str, Builder] = {}
 _builds = entering(BUILDERS)
@@ -224,3 +225,29 @@ def _setting(children: list[Any], span: Span) -> tree.Setting:
 @_builds
 def _fires(children: list[Any], span: Span) -> tree.FiresAt:
     return tree.FiresAt(children[0], span)
+
+
+@_builds
+def _budget(children: list[Any], span: Span) -> tree.BudgetBlock:
+    return tree.BudgetBlock(tuple(children), span)
+
+
+@_builds
+def _limit(children: list[Any], span: Span) -> tree.Limit:
+    return tree.Limit(name_of(children[0]), name_of(children[1]), children[2], None, span)
+
+
+@_builds
+def _limit_on(children: list[Any], span: Span) -> tree.Limit:
+    return tree.Limit(name_of(children[0]), name_of(children[1]), children[2], children[3], span)
+
+
+@_builds
+def _machine(children: list[Any], span: Span) -> tree.Name:
+    text = "-".join(c.text for c in children)
+    return tree.Name(MISSING if any(c.made for c in children) else text, span)
+
+
+@_builds
+def _machine_plus(children: list[Any], span: Span) -> tree.Name:
+    return tree.Name("-".join(c.text for c in children) + "+", span)

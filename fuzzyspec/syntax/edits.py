@@ -27,7 +27,7 @@ from fuzzyspec.syntax.tokens import END, Token
 
 _MARKS = frozenset({"COMMA", "COLON", "EQUAL", "LBRACE", "LPAR", "LSQB", "SLASH", "DOTS"})
 _INNER_WORDS = frozenset(
-    {"AND", "IN", "IS", "THEN", "AT", "BY", "PRIORITY", "EACH", "ELSE", "INITIAL", "OTHERWISE", "FOR"}
+    {"AND", "IN", "IS", "THEN", "AT", "BY", "PRIORITY", "EACH", "ELSE", "INITIAL", "OTHERWISE", "FOR", "ON"}
 )
 _FIRST_WORDS = frozenset({"MODULE", "CONTROLLER", "SYSTEM", "IF", "LET", "TERM", "PARTITION"})
 _REPLACEABLE = _MARKS | set(OPENERS) | {"COMPARE", "DOT", "AND", "IS", "IN", "FOR"}
@@ -44,6 +44,7 @@ _HINTS = {
     "INITIAL": "write `otherwise hold initial VALUE`",
     "IF": "a rule begins with `if`",
     "AT": "a partition is all even (`A B C`) or all placed (`A at 0, B at 2`)",
+    "ON": "a limit on one machine reads `flash <= 1 KiB on cortex-m4`",
     "OTHERWISE": "what holds where nothing passes: `max(o.x for o in LIST if TEST, otherwise 0)`",
     "DOTS": "counts have both ends: `raw uint16 0..4095`; a step is written `raw int16 step 0.01`",
 }
@@ -58,6 +59,8 @@ def candidates(reading: Reading, index: int) -> Iterator[Edit]:
     yield from habits.set_without_braces(reading, index)
     yield from habits.undeclared(reading, index)
     yield from habits.unit_in_brackets(reading, index)
+    yield from habits.at_most(reading, index)
+    yield from habits.hyphen(reading, index)
     yield from _closed(reading, index)
     yield from _inserted(reading, index)
     yield from _replaced(reading, index)
@@ -253,6 +256,8 @@ def _is_block(tokens: list[Token], start: int, end: int) -> bool:
 
 def _reason(kind: str, other: str, cell: Cell) -> str | None:
     match kind, other:
+        case "AND", "COMMA" if wording.block(opened(cell)) == "in a budget":
+            return "the limits of a budget are separated by commas"
         case "AND", "COMMA":
             return "the outputs that one rule sets are separated by commas"
         case "EQUAL", "COMPARE":
@@ -326,7 +331,8 @@ def _unit_as_keyword(reading: Reading, at: int) -> Iterator[Edit]:
     unit = reading.tokens[at - 1]
     if unit.kind != "UNIT" or unit.made:
         return
-    kinds = viable(reading.table, stack_at(reading, at - 1)) & (BEGINS if unit.first else frozenset({"RAW", "STEP"}))
+    wanted = BEGINS if unit.first else frozenset({"RAW", "STEP", "ON"})
+    kinds = viable(reading.table, stack_at(reading, at - 1)) & wanted
     for text in near(unit.text, [t for t, kind in reading.table.keywords.items() if kind in kinds]):
         case = CAPITALS if text == unit.text.lower() else None
         message = f"expected {'an item' if unit.first else f'`{text}`'}, found `{unit.text}`"

@@ -24,6 +24,7 @@ HOMES = {
     "RULES": "`rules { .. }` stands in a controller",
     "INFER": "`infer { .. }` stands in a controller",
     "FIRES": "`fires at` stands in a controller",
+    "BUDGET": "`budget { .. }` stands in a controller or a system",
     "LET": "`let` stands in a system, or in its `for each`",
     "FOR": "`for each` stands in a system",
     "IF": "rules stand in `rules { .. }` or in a `behavior`; within an expression a choice reads `a if TEST else b`",

@@ -102,6 +102,40 @@ def unit_in_brackets(reading: Reading, at: int) -> Iterator[Edit]:
     yield Edit(at, told, 0.5, (token._replace(kind="UNIT", text=inside, end=span.end),), end - at + 1)
 
 
+def at_most(reading: Reading, at: int) -> Iterator[Edit]:
+    """``flash = 1 KiB``, ``flash: 1 KiB`` or ``flash 1 KiB`` for ``flash <= 1 KiB``."""
+    token = reading.tokens[at]
+    cell = stack_at(reading, at)
+    if wording.block(opened(cell)) != "in a budget" or token.made:
+        return
+    kinds = viable(reading.table, cell)
+    sign = made(reading.table, "COMPARE", token.start)._replace(text="<=", end=token.end, made=False)
+    help_ = "a limit reads `flash <= 1 KiB`"
+    if token.kind == "LABEL" and "NAME" in kinds and "PLUS" not in kinds:
+        colon = Span(token.end - 1, token.end)
+        told = Diagnostic("FZ101", "expected `<=`, found `:`", colon, "write `<=`", help=help_)
+        yield Edit(at, told, 0.5, (token._replace(kind="WORD", end=token.start + len(token.text)), sign), 1)
+    elif kinds == {"COMPARE"} and token.kind in ("EQUAL", "NUMBER"):
+        message = f"expected `<=`, found {wording.found(token, reading.table)}"
+        if token.kind == "EQUAL":
+            yield Edit(at, Diagnostic("FZ101", message, token.span, "write `<=`", help=help_), 0.5, (sign,), 1)
+        else:
+            told = Diagnostic("FZ103", message, token.span, "`<=` is missing before this", help=help_)
+            yield Edit(at, told, 0.5, (sign,))
+
+
+def hyphen(reading: Reading, at: int) -> Iterator[Edit]:
+    """``on cortex m4`` for ``on cortex-m4``."""
+    token = reading.tokens[at]
+    cell = stack_at(reading, at)
+    behind_on = cell.symbol == "NAME" and cell.below is not None and cell.below.symbol == "ON"
+    if token.kind != "WORD" or token.made or not behind_on:
+        return
+    message = f"expected `-`, found {wording.found(token, reading.table)}"
+    told = Diagnostic("FZ103", message, token.span, "`-` is missing before this", help="write `cortex-m4`")
+    yield Edit(at, told, 0.5, (made(reading.table, "MINUS", token.start),))
+
+
 def undeclared(reading: Reading, at: int) -> Iterator[Edit]:
     """``x in [0, 1] { .. }`` without its ``input`` or ``output``."""
     cell = stack_at(reading, at)

@@ -13,7 +13,7 @@ OPENERS = {closer: opener for opener, closer in CLOSERS.items()}
 BEGINS = frozenset(
     {
         "CONTROLLER", "SYSTEM", "UNIT_WORD", "PARAM", "INPUT", "OUTPUT", "TABLE", "BEHAVIOR", "RULES", "INFER", "FIRES",
-        "LET", "FOR", "IF", "PARTITION", "SINGLETONS", "TERM", "OTHERWISE",
+        "BUDGET", "LET", "FOR", "IF", "PARTITION", "SINGLETONS", "TERM", "OTHERWISE",
     }
 )  # fmt: skip
 """Keywords that an item begins with."""

@@ -325,7 +325,27 @@ class FiresAt:
     span: Span
 
 
-ControllerItem = VariableDecl | Table | BehaviorDecl | RulesBlock | InferBlock | FiresAt
+# --- what a call may cost --------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """``flash <= 1 KiB on cortex-m0plus``; ``target`` is None where no machine is named."""
+
+    quantity: Name
+    op: Name
+    value: Expr
+    target: Name | None
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class BudgetBlock:
+    limits: tuple[Limit, ...]
+    span: Span
+
+
+ControllerItem = VariableDecl | Table | BehaviorDecl | RulesBlock | InferBlock | FiresAt | BudgetBlock
 
 
 @dataclass(frozen=True, slots=True)
@@ -389,7 +409,7 @@ class SystemOutput:
     span: Span
 
 
-SystemItem = Param | SystemInput | ListInput | Let | ForEach | SystemOutput
+SystemItem = Param | SystemInput | ListInput | Let | ForEach | SystemOutput | BudgetBlock
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,6 +30,7 @@ _AFTER = {
     "PARAM": "the parameter's name",
     "UNIT_WORD": "the unit's name",
     "INITIAL": "the value to hold at first",
+    "ON": "a machine, as in `on cortex-m0plus`",
     "DOT": "a name after the dot",
     "DOTS": "the count at the high end",
 }
@@ -41,6 +42,8 @@ _WITHIN = {
     ("COMMA", "names"): "another name",
     ("COMMA", "consequent"): "another output and its term, as in `w is SLOW`",
     ("COMMA", "_consequents"): "another output and its term, as in `w is SLOW`",
+    ("COMMA", "limit"): "another limit, as in `stack <= 64 B`",
+    ("LBRACE", "BUDGET"): "a limit, as in `flash <= 1 KiB`",
     ("EQUAL", "NAME"): "a value",
     ("EQUAL", "target"): "a value",
 }
@@ -53,6 +56,7 @@ _BLOCKS = {
     "BEHAVIOR": "a behavior",
     "RULES": "`rules`",
     "INFER": "`infer`",
+    "BUDGET": "a budget",
     "EACH": "a `for each`",
     "INPUT": "the terms of a variable",
     "OUTPUT": "the terms of a variable",
@@ -65,6 +69,7 @@ _ONLY = {
     ("IN", "LBRACE"): "terms in braces, as in `{A, B}`",
     ("IN", "NAME"): "the name of a list",
     ("NOT", "NAME"): "a term",
+    ("NAME", "COMPARE"): "`<=`",
     ("LABEL", "NAME"): "a term",
     ("COLON", "NAME"): "a term",
 }
@@ -74,13 +79,16 @@ _VALUE = frozenset({"NUMBER", "NAME", "LPAR", "MINUS"})
 _OPERATORS = frozenset({"PLUS", "MINUS", "STAR", "SLASH", "COMPARE", "AND", "OR", "NOT", "IN", "IF", "OTHERWISE"})
 _ARITHMETIC = frozenset({"PLUS", "STAR"})
 _DECLARATIONS = frozenset({"CONTROLLER", "SYSTEM", "UNIT_WORD", "PARAM"})
-_CONTROLLER = frozenset({"INPUT", "OUTPUT", "TABLE", "BEHAVIOR", "RULES", "INFER", "FIRES"})
-_SYSTEM = frozenset({"PARAM", "INPUT", "LET", "FOR", "OUTPUT"})
+_CONTROLLER = frozenset({"INPUT", "OUTPUT", "TABLE", "BEHAVIOR", "RULES", "INFER", "FIRES", "BUDGET"})
+_SYSTEM = frozenset({"PARAM", "INPUT", "LET", "FOR", "OUTPUT", "BUDGET"})
 _MEMBERS = frozenset({"PARTITION", "SINGLETONS", "TERM", "OTHERWISE"})
 
 _GROUPS = (
-    (_CONTROLLER, "an item of the controller (`input`, `output`, `table`, `behavior`, `rules`, `infer`, `fires at`)"),
-    (_SYSTEM, "an item of the system (`param`, `input`, `for each`, `let`, `output`)"),
+    (
+        _CONTROLLER,
+        "an item of the controller (`input`, `output`, `table`, `behavior`, `rules`, `infer`, `fires at`, `budget`)",
+    ),
+    (_SYSTEM, "an item of the system (`param`, `input`, `for each`, `let`, `output`, `budget`)"),
     (_DECLARATIONS, "`controller`, `system`, `param` or `unit`"),
     (_MEMBERS, "terms (`partition`, `term`, `singletons`) or `otherwise`"),
 )

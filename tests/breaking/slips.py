@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tests.breaking.slip import Slip
+from tests.breaking.slips_budgets import BUDGET, SLIPS_IN_BUDGET
 from tests.breaking.slips_rules import BEH, RULES, SLIPS_IN_BEH, SLIPS_IN_RULES
 from tests.breaking.slips_systems import SLIPS_IN_SYS, SYS
 from tests.breaking.slips_tables import FAN, SLIPS_IN_FAN
@@ -12,4 +13,5 @@ SLIPS: dict[str, tuple[Slip, ...]] = {
     RULES: SLIPS_IN_RULES,
     BEH: SLIPS_IN_BEH,
     SYS: SLIPS_IN_SYS,
+    BUDGET: SLIPS_IN_BUDGET,
 }

@@ -30,6 +30,7 @@ controller fan {
     output fine in [1, 5] raw int8 { partition A B full }
     infer { and = min, or = max, defuzzify = centroid, }
     fires at 1/64
+    budget { flash <= 1 KiB, cycles <= 900 on cortex-m0plus, ram <= 0 B on avr, }
     rules {
         if error is PB or (rate is rising and not error is not NB) then duty is full with 0.8
         if left in {full, hold} and right not in {in} then duty is off, gear is LOW
@@ -59,5 +60,7 @@ system drive {
     let many = count(o for o in obstacles if -30 deg <= o.bearing < 30 deg and not o.gap > 3 m or o.ddc not in [0, 1])
     output v in [0, 1] m/s raw int8 = near if many > 2 else clamp(abs(near), 0, 1) * 3 m/s - 2 m / 1 s
     output acting = near
+    budget { stack <= 2 * 64 B }
+    budget { instructions <= 9000 on rv32imc }
 }
 """

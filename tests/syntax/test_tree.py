@@ -116,7 +116,7 @@ def test_all_constructs_arrive() -> None:
     unit, param, fan, drive = module.items
     assert isinstance(unit, tree.UnitDecl) and isinstance(param, tree.Param)
     assert isinstance(fan, tree.ControllerDecl) and isinstance(drive, tree.SystemDecl)
-    error, rate, shared, duty, gear, fine, infer, fires, rules, go, single, many = fan.items
+    error, rate, shared, duty, gear, fine, infer, fires, budget, rules, go, single, many = fan.items
 
     assert isinstance(error, tree.VariableDecl) and error.raw is not None and error.raw.step is not None
     assert isinstance(rate, tree.VariableDecl) and rate.raw is not None and rate.raw.counts is not None
@@ -135,6 +135,13 @@ def test_all_constructs_arrive() -> None:
     assert isinstance(infer, tree.InferBlock)
     assert [(s.name.text, s.value.text) for s in infer.settings][:2] == [("and", "min"), ("or", "max")]
     assert isinstance(fires, tree.FiresAt) and shown(fires.value) == "(1 / 64)"
+
+    assert isinstance(budget, tree.BudgetBlock)
+    assert [(x.quantity.text, x.op.text, x.target and x.target.text) for x in budget.limits] == [
+        ("flash", "<=", None),
+        ("cycles", "<=", "cortex-m0plus"),
+        ("ram", "<=", "avr"),
+    ]
 
     assert isinstance(rules, tree.RulesBlock)
     first, second = rules.rules
@@ -155,4 +162,4 @@ def test_all_constructs_arrive() -> None:
 
     kinds = [type(item) for item in drive.items]
     assert kinds == [tree.Param, *[tree.SystemInput] * 3, tree.ListInput, tree.ForEach, tree.Let, tree.Let,
-                     tree.SystemOutput, tree.SystemOutput]  # fmt: skip
+                     tree.SystemOutput, tree.SystemOutput, tree.BudgetBlock, tree.BudgetBlock]  # fmt: skip
