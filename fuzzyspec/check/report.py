@@ -11,6 +11,7 @@ from fuzzyspec.check.decisions import Decision, of_controller, of_system
 from fuzzyspec.check.reachable import Reach, reach
 from fuzzyspec.check.strength import setters_of
 from fuzzyspec.diagnostics.diagnostic import Source
+from fuzzyspec.model.budget import Budget
 from fuzzyspec.model.controller import Behavior, Controller, Fallback, Inference, Output
 from fuzzyspec.model.system import ActingOutput, ListInput, Module, System
 from fuzzyspec.model.variable import Variable
@@ -179,6 +180,7 @@ def _controller_json(report: ControllerReport, bands: Bands) -> dict[str, object
         ],
         "outputs": [_output_json(o) for o in report.outputs],
         "decisions": _decisions_json(report.decisions, bands.get(controller.name)),
+        "budgets": _budgets_json(controller.budgets),
     }
 
 
@@ -232,6 +234,7 @@ def _system_json(report: SystemReport, bands: Bands) -> dict[str, object]:
         "outputs": outputs,
         "calls": [{"id": c.id, "controller": c.controller.name} for c in system.calls],
         "decisions": _decisions_json(report.decisions, bands.get(system.name)),
+        "budgets": _budgets_json(system.budgets),
     }
 
 
@@ -240,6 +243,11 @@ def _decisions_json(decisions: tuple[Decision, ...], bands: Mapping[str, Fractio
         {"key": d.key, "kind": d.kind, "what": d.what, "band": None if bands is None else float(bands.get(d.key, 0))}
         for d in decisions
     ]
+
+
+def _budgets_json(budgets: tuple[Budget, ...]) -> list[dict[str, object]]:
+    """Limits in bytes or as counts; ``target`` is null where they hold on every target that tells the quantity."""
+    return [{"quantity": b.quantity, "limit": b.limit, "target": b.target} for b in budgets]
 
 
 def _variable_json(variable: Variable) -> dict[str, object]:

@@ -9,6 +9,7 @@ from typing import TypeVar
 from fuzzyspec.check.decisions import Decision
 from fuzzyspec.check.quantities import at_least, at_most, interval, number, quantity
 from fuzzyspec.check.report import BehaviorReport, ControllerReport, ModuleReport, OutputReport, SystemReport
+from fuzzyspec.model.budget import Budget, words
 from fuzzyspec.model.controller import Input
 from fuzzyspec.model.system import ActingOutput, ListInput
 from fuzzyspec.model.variable import Variable
@@ -51,7 +52,7 @@ def _controller(report: ControllerReport, bands: Mapping[str, Fraction] | None) 
     told: dict[str, str] = {}
     for output in report.outputs:
         lines += _output(output, controller.fires_at, told)
-    return lines + _decisions(report.decisions, bands)
+    return lines + _decisions(report.decisions, bands) + _budgets(controller.budgets)
 
 
 def _inputs(inputs: Sequence[Input]) -> list[str]:
@@ -153,7 +154,7 @@ def _system(report: SystemReport, bands: Mapping[str, Fraction] | None) -> list[
             text += f", {output.bare[0]}.{output.bare[1]} as it is"
         results.append(text + (", saturates" if output.saturates else ""))
     lines += [_line(label, row) for label, row in _labelled("outputs", results)]
-    return lines + _decisions(report.decisions, bands)
+    return lines + _decisions(report.decisions, bands) + _budgets(system.budgets)
 
 
 def _decisions(decisions: Sequence[Decision], bands: Mapping[str, Fraction] | None) -> list[str]:
@@ -168,6 +169,10 @@ def _decisions(decisions: Sequence[Decision], bands: Mapping[str, Fraction] | No
             band = "; both meanings agree"
         rows.append(f"{d.key}: {words}{band}")
     return [_line(label, row) for label, row in _labelled("decisions", rows)]
+
+
+def _budgets(budgets: Sequence[Budget]) -> list[str]:
+    return [_line(label, row) for label, row in _labelled("budget", [words(b) for b in budgets])]
 
 
 def _ranged(variable: Variable) -> str:

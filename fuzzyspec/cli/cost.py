@@ -21,8 +21,9 @@ def register(subparsers: Any) -> None:
         "cost",
         help="what a call takes on a microcontroller",
         description="Build the C for a target and run every function in an emulator: instructions, cycles where there "
-        "is an honest model of them, flash, RAM and stack. What is computed is compared with the integer program.",
-        epilog="exit status: 0 measured, 1 an output was wrong, 2 wrong usage or a missing tool",
+        "is an honest model of them, flash, RAM and stack. What is computed is compared with the integer program, "
+        "what it takes with the spec's budgets.",
+        epilog="exit status: 0 measured, 1 an output was wrong or a budget missed, 2 wrong usage or a missing tool",
     )
     parser.add_argument("file", metavar="FILE.fz", type=spec_path, help="the spec")
     parser.add_argument(
@@ -55,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     from fuzzyspec import api
     from fuzzyspec.cli import terminal
     from fuzzyspec.cli.progress import Bar
-    from fuzzyspec.cost import OPTIMISATIONS, Conditions, EmulationError, as_json, as_text, measure
+    from fuzzyspec.cost import OPTIMISATIONS, Conditions, EmulationError, as_json, as_text, confirm, measure
     from fuzzyspec.diagnostics.refusal import Refusal
     from fuzzyspec.lower import Options
     from fuzzyspec.lower.strategy import Goal
@@ -85,13 +86,21 @@ def run(arguments: argparse.Namespace) -> int:
     except EmulationError as error:
         terminal.complain(f"the emulated C did not run to its end: {error}")
         return 1
+    budgets = {name: f.budgets for name, f in spec.functions.items() if name in (arguments.only or known)}
+    verdicts = confirm(budgets, measured.records, _judged(options, arguments.optimize), missing)
     if arguments.format == "json":
         import json
 
-        print(json.dumps(as_json(spec.name, conditions, measured, missing), indent=2))
+        print(json.dumps(as_json(spec.name, conditions, measured, missing, verdicts), indent=2))
     else:
-        print(as_text(spec.name, conditions, measured, missing))
-    return 1 if measured.mismatches else 0
+        print(as_text(spec.name, conditions, measured, missing, verdicts))
+    return 1 if measured.mismatches or any(v.met is False for v in verdicts) else 0
+
+
+def _judged(options: tuple[str, ...], goal: str | None) -> str:
+    """The option of the build that budgets are held against: -Os where size is the goal, else -O2, if it was built."""
+    wanted = "Os" if goal == "size" else "O2"
+    return wanted if wanted in options else options[0]
 
 
 def _compilers(wanted: list[str] | None, kind: Any) -> tuple[tuple[CrossCompiler, ...], dict[str, str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fuzzyspec.cost.budgets import Verdict, confirm
 from fuzzyspec.cost.emulate import Emulation, EmulationError
 from fuzzyspec.cost.image import Image
 from fuzzyspec.cost.measure import Conditions, Measured, Mismatch, Record, measure
@@ -20,8 +21,10 @@ __all__ = [
     "Mismatch",
     "Record",
     "Target",
+    "Verdict",
     "as_json",
     "as_text",
+    "confirm",
     "find_compiler",
     "measure",
 ]

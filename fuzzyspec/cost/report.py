@@ -7,6 +7,7 @@ from dataclasses import asdict
 from itertools import groupby
 from typing import Any
 
+from fuzzyspec.cost.budgets import Verdict, as_data, as_lines
 from fuzzyspec.cost.measure import Conditions, Measured, Mismatch, Record
 from fuzzyspec.estimate.inputs import SEED
 
@@ -15,26 +16,40 @@ _LEFT = 2
 """Columns of words, which are set flush left."""
 
 
-def as_json(module: str, conditions: Conditions, measured: Measured, missing: Mapping[str, str]) -> dict[str, Any]:
+def as_json(
+    module: str,
+    conditions: Conditions,
+    measured: Measured,
+    missing: Mapping[str, str],
+    verdicts: Sequence[Verdict] = (),
+) -> dict[str, Any]:
     """One record per target, option and function; ``missing`` gives the way out by target that could not be built."""
     return {
-        "ok": not measured.mismatches,
+        "ok": not measured.mismatches and all(v.met is not False for v in verdicts),
         "module": module,
         "inputs": conditions.inputs,
         "seed": SEED,
         "records": [asdict(r) for r in measured.records],
+        "budgets": [as_data(v) for v in verdicts],
         "mismatches": [asdict(m) for m in measured.mismatches],
         "missing": dict(missing),
     }
 
 
-def as_text(module: str, conditions: Conditions, measured: Measured, missing: Mapping[str, str]) -> str:
-    """A table a function, and what the figures mean."""
+def as_text(
+    module: str,
+    conditions: Conditions,
+    measured: Measured,
+    missing: Mapping[str, str],
+    verdicts: Sequence[Verdict] = (),
+) -> str:
+    """A table a function, what comes of the budgets, and what the figures mean."""
     n = conditions.inputs
     lines = [f"{module}: mean and largest over {n} inputs that were tried, which is no worst case", ""]
     by_function = sorted(measured.records, key=lambda r: _order(measured.records).index(r.function))
     for name, group in groupby(by_function, key=lambda r: r.function):
         lines += [name, *_table(list(group)), ""]
+    lines += as_lines(verdicts)
     lines += _notes(measured.records)
     lines += [f"not measured: {target} ({why})" for target, why in missing.items()]
     lines += [line for mismatch in measured.mismatches for line in describe(mismatch)]

@@ -21,6 +21,7 @@ from fuzzyspec.emit.selftest import selftest_file
 from fuzzyspec.emit.source import source_file
 from fuzzyspec.fixed.certificate import Certificate
 from fuzzyspec.fixed.program import Program
+from fuzzyspec.model.budget import words
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import ActingOutput, Module, System, SystemOutput
 from fuzzyspec.resources import read_text
@@ -65,7 +66,12 @@ def emit(module: Module, lowered: Lowered, source: Source, options: object = Non
         "table_macro": f"{names.macro}_TABLE",
     }
     told = {
-        f.name: Told(lowered.certificates.get(f.name), _reachable(module, f.name), _acting(module, f.name, names))
+        f.name: Told(
+            lowered.certificates.get(f.name),
+            _reachable(module, f.name),
+            _acting(module, f.name, names),
+            tuple(words(b) for b in module.budgets(f.name)),
+        )
         for f in program.functions
     }
     environment = _environment()

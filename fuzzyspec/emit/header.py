@@ -43,11 +43,15 @@ class Section:
 
 @dataclass(frozen=True)
 class Told:
-    """What is known of one function besides its program: ``reachable`` and ``acting`` are by output."""
+    """What is known of one function besides its program.
+
+    ``reachable`` and ``acting`` are by output, ``budget`` is a limit each.
+    """
 
     certificate: Certificate | None
     reachable: Mapping[str, str]
     acting: Mapping[str, str]
+    budget: tuple[str, ...] = ()
 
 
 def status_base(program: Program) -> str:
@@ -225,6 +229,8 @@ def _prototypes(function: Function, names: Names, told: Told) -> list[Prototype]
     ports = function.outputs
     lines = [f"One {'step of system' if function.kind == 'system' else 'call of controller'} {function.name}."]
     lines += certificate_lines(told.certificate, ports, told.reachable)
+    if told.budget:
+        lines.append(f"budget: {'; '.join(told.budget)}")
     found.append(Prototype(tuple(block_comment(lines)), tuple(declaration(prototype(function, names) + ";"))))
     return found
 
