@@ -13,6 +13,7 @@ from enum import IntEnum
 from typing import assert_never
 
 from fuzzyspec.emit.ctypes import holds, of_width, signed, spelled, width, word
+from fuzzyspec.fixed.division import Kernel, kernel_of
 from fuzzyspec.fixed.program import (
     Above,
     AllOf,
@@ -93,7 +94,7 @@ class Spelling:
     fields: Mapping[tuple[str, str], str]
     read: str
     mul_high: str
-    quotients: Mapping[int, str]
+    quotients: Mapping[Kernel, str]
 
 
 def literal(value: int, is_signed: bool) -> Text:
@@ -168,7 +169,7 @@ def _value(expr: Expr, names: Spelling) -> Text:
         case MulHigh():
             return _call(names.mul_high, expr.left, expr.right, names)
         case Quotient():
-            return _call(names.quotients[expr.digit_bits], expr.num, expr.den, names)
+            return _call(names.quotients[kernel_of(expr)], expr.num, expr.den, names)
         case _:
             assert_never(expr)
 

@@ -12,6 +12,7 @@ import jinja2
 
 from fuzzyspec.check.reachable import reach
 from fuzzyspec.diagnostics.diagnostic import Source
+from fuzzyspec.emit.cprinter import reader_name
 from fuzzyspec.emit.describe import interval
 from fuzzyspec.emit.header import Told, sections, status_base
 from fuzzyspec.emit.layout import filled, quiet
@@ -62,7 +63,8 @@ def emit(module: Module, lowered: Lowered, source: Source, options: object = Non
         "status_t": names.status_t,
         "selftest": names.selftest,
         "mul_high": names.mul_high,
-        "quotients": names.quotients,
+        "read_u8": reader_name(f"{names.macro}_READ", "uint8"),
+        "reciprocals": names.reciprocals,
         "table_macro": f"{names.macro}_TABLE",
     }
     told = {

@@ -9,7 +9,9 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from fuzzyspec.fixed.program import Function, ListPort, Program
+from fuzzyspec.fixed.division import Kernel, kernel_of
+from fuzzyspec.fixed.program import Function, ListPort, Program, Quotient
+from fuzzyspec.fixed.prune import expressions, nodes, prune
 
 _KEYWORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
@@ -82,7 +84,7 @@ class FunctionNames:
 
 @dataclass(frozen=True)
 class Names:
-    """``functions`` by the model's names, ``quotients`` by their digits' bits; ``globals`` is everything that a
+    """``functions`` by the model's names, ``quotients`` by how they divide; ``globals`` is everything that a
     local must not hide."""
 
     prefix: str
@@ -92,7 +94,8 @@ class Names:
     digest: str
     selftest: str
     mul_high: str
-    quotients: Mapping[int, str]
+    quotients: Mapping[Kernel, str]
+    reciprocals: str
     functions: Mapping[str, FunctionNames]
     globals: frozenset[str]
     macros: frozenset[str]
@@ -134,8 +137,10 @@ def name_module(program: Program) -> Names:
     selftest = symbols.claim(f"{prefix}_selftest")
     mul_high = symbols.claim(f"{prefix}_mul_high")
     quotients = {
-        bits: symbols.claim(f"{prefix}_quotient{suffix}") for bits, suffix in ((1, ""), (4, "_by_4"), (8, "_by_8"))
+        kernel: symbols.claim(f"{prefix}_quotient_{number}" if number > 1 else f"{prefix}_quotient")
+        for number, kernel in enumerate(_kernels(program), start=1)
     }
+    reciprocals = symbols.claim(f"{prefix}_reciprocals")
     for suffix in ("H", "TABLE", *(f"READ_{sign}{bits}" for sign in "US" for bits in (8, 16, 32))):
         macros.claim(f"{macro}_{suffix}")
     named: dict[str, FunctionNames] = {}
@@ -151,10 +156,17 @@ def name_module(program: Program) -> Names:
         selftest,
         mul_high,
         quotients,
+        reciprocals,
         {f.name: named[f.name] for f in program.functions},
         symbols.taken(),
         macros.taken(),
     )
+
+
+def _kernels(program: Program) -> list[Kernel]:
+    """What divides in a program, as it is printed."""
+    printed = (e for f in program.functions for e in expressions(prune(f.body)))
+    return sorted({kernel_of(n) for e in printed for n in nodes(e) if isinstance(n, Quotient)})
 
 
 def _name_function(function: Function, stem: str, symbols: Scope, macros: Scope) -> FunctionNames:

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 from fuzzyspec.emit.cprinter import literal
 from fuzzyspec.emit.ctypes import signed
+from fuzzyspec.emit.dividers import Divider, divider
 from fuzzyspec.emit.header import declaration, holds, prototype
 from fuzzyspec.emit.layout import INDENT, code
 from fuzzyspec.emit.names import Names
 from fuzzyspec.emit.statements import Body, print_body
 from fuzzyspec.emit.tables import Printed, Reader, printed, readers
-from fuzzyspec.fixed.program import Element, Function, MulHigh, Program, Quotient
+from fuzzyspec.fixed.division import reciprocals
+from fuzzyspec.fixed.program import Element, Function, MulHigh, Program
 from fuzzyspec.fixed.prune import expressions, nodes
 
 
@@ -43,18 +45,25 @@ class SourceFile:
     functions: tuple[Defined, ...]
     readers: tuple[Reader, ...]
     uses_mul_high: bool
-    digit_bits: tuple[int, ...]
+    quotients: tuple[Divider, ...]
+    reciprocal_tables: tuple[Printed, ...]
 
 
 def source_file(program: Program, names: Names) -> SourceFile:
     """Every function, callees first, and the kernels and macros that they use."""
     bodies = [(f, print_body(program, f, names)) for f in program.functions]
     used = [node for _, body in bodies for e in expressions(body.pruned) for node in nodes(e)]
+    divides_by_table = any(kernel.by == "reciprocal" for kernel in names.quotients)
+    looked_up = (printed(names.reciprocals, "uint8", reciprocals()),) if divides_by_table else ()
     return SourceFile(
         functions=tuple(_defined(program, f, names, body) for f, body in bodies),
-        readers=readers(names.macro, (n.ctype for n in used if isinstance(n, Element) and n.table)),
+        readers=readers(
+            names.macro,
+            [n.ctype for n in used if isinstance(n, Element) and n.table] + ["uint8" for t in looked_up],
+        ),
         uses_mul_high=any(isinstance(n, MulHigh) for n in used),
-        digit_bits=tuple(sorted({n.digit_bits for n in used if isinstance(n, Quotient)})),
+        quotients=tuple(divider(kernel, name) for kernel, name in names.quotients.items()),
+        reciprocal_tables=looked_up,
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fuzzyspec.fixed.division import offered
 from fuzzyspec.fixed.program import (
     Above,
     Binary,
@@ -257,7 +258,7 @@ def quotient(num: Expr, den: Expr, division: Division = "loop") -> Expr:
     """The kernel ``floor(num * 2**16 / den)``, 65536 from ``num >= den`` on."""
     if num.lo < 0 or den.lo < 0 or den.hi >= 2**31 or num.hi > UINT32_MAX:
         raise RangeError("the quotient's divisor must stay below 2**31")
-    return Quotient(num, den, (8 if den.hi < 2**24 else 4 if den.hi < 2**28 else 1) if division == "hardware" else 1)
+    return Quotient(num, den, offered(division, den.hi))
 
 
 def compare(op: CompareOp, left: Expr, right: Expr) -> Test:

@@ -16,8 +16,9 @@ from fuzzyspec.model.controller import Behavior
 from fuzzyspec.model.variable import Variable
 
 CType = Literal["uint8", "int8", "uint16", "int16", "uint32", "int32"]
-Division = Literal["loop", "hardware"]
-"""How the quotient kernel divides: bit by bit, or digit by digit with the machine's own division."""
+Division = Literal["loop", "unrolled", "reciprocal", "hardware"]
+"""How the quotient kernel divides: bit by bit, in a loop or written out, or digit by digit: with a reciprocal from a
+table, or with the machine's own division."""
 BinaryOp = Literal["+", "-", "*", "/", ">>", "<<", "&", "|", "^"]
 CompareOp = Literal["<", "<=", ">", ">=", "==", "!="]
 
@@ -160,15 +161,13 @@ class MulHigh:
 class Quotient:
     """``floor(num * 2**16 / den)`` for ``num < den < 2**31``, and 65536 where ``num >= den`` (so also for den = 0).
 
-    A kernel: C calls the static function ``<prefix>_quotient(uint32_t, uint32_t)``, a 16-step long division, or with
-    ``digit_bits`` 4 or 8 one that takes that many bits by each of 4 or 2 hardware divisions (``den < 2**(32 -
-    digit_bits)``).
-    The value is the same.
+    A kernel: C calls a static function ``<prefix>_quotient(uint32_t, uint32_t)``, which one is told by ``by`` and the
+    divisor's interval (``fixed.division``). The value is the same.
     """
 
     num: Expr
     den: Expr
-    digit_bits: Literal[1, 4, 8] = 1
+    by: Division = "loop"
     lo: int = 0
     hi: int = 65536
 

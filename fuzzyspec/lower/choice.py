@@ -14,15 +14,8 @@ from fuzzyspec.lower.multilinear import applies as multilinear_applies
 from fuzzyspec.lower.strategy import Goal, Interpolation, Rules, Strategy, Target, Widths
 from fuzzyspec.model.controller import Controller
 
-DIVISIONS: Mapping[Target, Division] = {
-    "generic": "loop",
-    "cortex-m0plus": "loop",
-    "cortex-m4": "hardware",
-    "cortex-m7": "hardware",
-    "rv32imc": "hardware",
-    "avr": "loop",
-}
-"""Where 32-bit division is an instruction, not a call of a library, it pays."""
+DIVIDES: frozenset[Target] = frozenset({"cortex-m4", "cortex-m7", "rv32imc"})
+"""Machines on which 32-bit division is an instruction, not a call of a library."""
 WIDTHS: Mapping[Target, Widths] = {t: "narrow" if t == "avr" else "words" for t in get_args(Target)}
 """On 8 bits every byte of a value costs; on 32 a narrow local costs, which is cut to its width at every step."""
 ROOMY: frozenset[Target] = frozenset({"cortex-m4", "cortex-m7", "rv32imc"})
@@ -45,7 +38,7 @@ def strategies(controller: Controller) -> tuple[Strategy, ...]:
 
 def choose(controller: Controller, goal: Goal, target: Target) -> Strategy:
     """One of a controller's strategies."""
-    division = DIVISIONS[target]
+    division = division_of(goal, target)
     if goal == "size":
         return Strategy("loops", "loops", division)
     possible = rules_of(controller)
@@ -54,6 +47,13 @@ def choose(controller: Controller, goal: Goal, target: Target) -> Strategy:
         rules = "minors"
     interpolation: Interpolation = "written" if len(controller.inputs) <= WRITTEN_OUT else "loops"
     return Strategy(rules, interpolation, division)
+
+
+def division_of(goal: Goal, target: Target) -> Division:
+    """How a machine divides. A table and two multiplications a digit pay where the multiplier takes whole words."""
+    if target in DIVIDES:
+        return "hardware"
+    return "loop" if goal == "size" or target == "avr" else "reciprocal"
 
 
 def _levels_gain(controller: Controller) -> bool:

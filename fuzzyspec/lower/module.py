@@ -13,7 +13,7 @@ from fuzzyspec.fixed.certificate import Band, Certificate, OutputBound
 from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.lower.bounds import Effort, bound_controller, means
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
-from fuzzyspec.lower.choice import DIVISIONS, WIDTHS, choose
+from fuzzyspec.lower.choice import WIDTHS, choose, division_of
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
 from fuzzyspec.lower.controller import ControllerNumbers, lower_controller
 from fuzzyspec.lower.strategy import Goal, Target
@@ -94,7 +94,9 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
         if any(c.controller.name not in functions for c in system.calls):
             continue
         try:
-            function, system_numbers = lower_system(system, functions, certify, DIVISIONS[chosen.target])
+            function, system_numbers = lower_system(
+                system, functions, certify, division_of(chosen.optimize, chosen.target)
+            )
         except RangeError as error:
             problems.append(_diagnostic(system, error))
             continue

@@ -1,0 +1,75 @@
+"""The functions that divide, as data for their templates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fuzzyspec.fixed.division import CELL_BITS, FIRST_CELL, INVERSE_SHIFT, REFLECTED, TOP_BITS, Kernel
+
+QUOTIENT_BITS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A divisor below ``limit`` is shifted up by ``shift``, and the numerator with it."""
+
+    limit: int
+    shift: int
+
+
+@dataclass(frozen=True, slots=True)
+class Reciprocal:
+    """Where the bits lie: ``cell`` and ``top`` in the divisor, ``scaled`` in a remainder, ``digit`` in its product."""
+
+    steps: tuple[Step, ...]
+    cell: int
+    first_cell: int
+    top: int
+    reflected: int
+    inverse: int
+    scaled: int
+    digit: int
+    settles: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Divider:
+    """A function and its template. The quotient's ``digits`` have ``bits`` bits each, ``mask`` of them."""
+
+    name: str
+    template: str
+    largest_bits: int
+    bits: int
+    digits: int
+    mask: str
+    smallest_bits: int
+    reciprocal: Reciprocal
+
+
+def divider(kernel: Kernel, name: str) -> Divider:
+    """What the template of a kernel lays out."""
+    apart = kernel.by == "hardware" or (kernel.by == "unrolled" and kernel.digit_bits == 1)
+    return Divider(
+        name,
+        f"quotient_{kernel.by}_{kernel.digit_bits}.c.j2" if apart else f"quotient_{kernel.by}.c.j2",
+        kernel.largest_bits,
+        kernel.digit_bits,
+        QUOTIENT_BITS // kernel.digit_bits,
+        f"0x{2**kernel.digit_bits - 1:X}U",
+        kernel.smallest_bits,
+        _reciprocal(kernel),
+    )
+
+
+def _reciprocal(kernel: Kernel) -> Reciprocal:
+    return Reciprocal(
+        steps=tuple(Step(2 ** (kernel.width - shift), shift) for shift in kernel.steps),
+        cell=kernel.width - CELL_BITS,
+        first_cell=FIRST_CELL,
+        top=kernel.width - TOP_BITS,
+        reflected=REFLECTED,
+        inverse=INVERSE_SHIFT,
+        scaled=kernel.width - TOP_BITS + 1,
+        digit=31 - kernel.digit_bits,
+        settles=kernel.settles,
+    )

@@ -1,0 +1,122 @@
+"""How a quotient is divided: which kernel a node is computed by, and the numbers that the kernels rest on.
+
+All kernels give the same integer (docs/numbers.md, "Division"). Where a divisor is too large for the way that was
+asked for, the next best is taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fuzzyspec.fixed.program import Division, Quotient
+
+HARDWARE_BITS = 28
+"""Divisors of at most so many bits leave room to shift a remainder up by 4."""
+RECIPROCAL_BITS = 27
+"""The same where a remainder may exceed its divisor."""
+COMMON_BITS = 23
+"""The most with which a digit of 8 bits leaves a remainder that needs no correction to be shifted up by 8."""
+CELLS = 112
+"""Reciprocals in the table: of a divisor that is scaled to 16 bits, 2**13 .. 2**16 - 1, by its topmost 7."""
+TOP_BITS, CELL_BITS, FIRST_CELL = 16, 7, 16
+MISSING = 2
+"""Bits that a divisor in the table may be short of the largest."""
+REFLECTED = 2**22 - 2**8
+"""What Newton's step subtracts ``top * near`` from: 2 in the table's scale, less a cell of what ``top`` leaves out."""
+INVERSE_SHIFT = 10
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Kernel:
+    """One function of the C. ``digit_bits``: of the quotient, taken before the remainder is shifted up.
+
+    Of reciprocals: the largest divisor has ``width`` bits, the smallest ``missing`` less.
+    """
+
+    by: Division
+    digit_bits: int
+    width: int = 0
+    missing: int = 0
+
+    @property
+    def largest_bits(self) -> int:
+        """The divisor lies below two to this."""
+        match self.by:
+            case "loop":
+                return 31
+            case "hardware":
+                return 32 - self.digit_bits
+            case "unrolled":
+                return 31 if self.digit_bits == 1 else 31 - self.digit_bits
+            case "reciprocal":
+                return self.width
+
+    @property
+    def smallest_bits(self) -> int:
+        """Of divisors that exceed their numerator."""
+        return self.width - self.missing if self.by == "reciprocal" else 1
+
+    @property
+    def steps(self) -> tuple[int, ...]:
+        """Shifts that leave every divisor at most ``MISSING`` bits short, each taken where the divisor has room for it.
+
+        Each halves what may be missing.
+        """
+        steps: list[int] = []
+        missing = self.missing
+        while missing > MISSING:
+            steps.append((missing + 2) // 2)
+            missing = max(steps[-1] - 1, missing - steps[-1])
+        return tuple(steps)
+
+    @property
+    def settles(self) -> bool:
+        """Whether the first digit is corrected at once, since its remainder would have no room to be larger."""
+        return self.by == "reciprocal" and self.width + self.digit_bits >= 32
+
+
+def offered(division: Division, largest: int) -> Division:
+    """The way to divide by at most ``largest`` that comes next to the one asked for."""
+    bits = largest.bit_length()
+    if division == "hardware" and bits > HARDWARE_BITS:
+        return "loop"
+    if division == "reciprocal" and bits > RECIPROCAL_BITS:
+        return "unrolled"
+    return division
+
+
+def kernel_of(node: Quotient) -> Kernel:
+    """The function that computes a node."""
+    bits = node.den.hi.bit_length()
+    match node.by:
+        case "loop":
+            return Kernel("loop", 1)
+        case "hardware":
+            return Kernel("hardware", 8 if bits <= 24 else 4)
+        case "unrolled":
+            return Kernel("unrolled", 8 if bits <= 23 else 4 if bits <= 27 else 1)
+        case "reciprocal":
+            return _reciprocal(max(bits, TOP_BITS + 1), max(node.den.lo, 1).bit_length())
+
+
+def _reciprocal(width: int, smallest_bits: int) -> Kernel:
+    """As few functions as do no harm: many divisors share one, as long as none takes a step more."""
+    level = _level(width - smallest_bits)
+    if width < COMMON_BITS and _level(COMMON_BITS - smallest_bits) == level:
+        width = COMMON_BITS
+    return Kernel("reciprocal", 8 if width <= 24 else 4, width, min(level, width - 1))
+
+
+def _level(missing: int) -> int:
+    """The most that may be missing for as many steps."""
+    level = MISSING
+    while level < missing:
+        level = 2 * level + 1
+    return level
+
+
+def reciprocals() -> tuple[int, ...]:
+    """Of every cell the integer nearest to ``2**21 / top`` at its middle."""
+    width = 1 << (TOP_BITS - CELL_BITS)
+    middles = (2 * cell * width + width for cell in range(FIRST_CELL, FIRST_CELL + CELLS))
+    return tuple((2**23 + middle) // (2 * middle) for middle in middles)

@@ -1,0 +1,82 @@
+"""The lemma that quotients by reciprocals rest on (docs/numbers.md), by exhaustion."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzyspec.fixed import build
+from fuzzyspec.fixed.division import (
+    CELL_BITS,
+    CELLS,
+    FIRST_CELL,
+    INVERSE_SHIFT,
+    MISSING,
+    REFLECTED,
+    TOP_BITS,
+    Kernel,
+    kernel_of,
+    reciprocals,
+)
+from fuzzyspec.fixed.program import Division, Local, Quotient
+
+LOSS = Fraction(11, 10_000)
+"""What docs/numbers.md says: an inverse is at most this part too small."""
+
+
+def node(lo: int, hi: int, division: Division) -> Quotient:
+    """A quotient whose divisor lies in ``lo .. hi``."""
+    found = build.quotient(Local("num", "uint32", 0, 2**32 - 1), Local("den", "uint32", lo, hi), division)
+    assert isinstance(found, Quotient)
+    return found
+
+
+def test_an_inverse_is_never_too_large_and_hardly_too_small() -> None:
+    """Every top of a divisor: the inverse times any divisor with that top lies in 2**32 times [1 - LOSS, 1]."""
+    table = reciprocals()
+    assert len(table) == CELLS and max(table) < 256
+    assert FIRST_CELL + CELLS == 2**CELL_BITS
+    for top in range(2 ** (TOP_BITS - 1 - MISSING), 2**TOP_BITS):
+        guess = table[(top >> (TOP_BITS - CELL_BITS)) - FIRST_CELL]
+        assert top * guess <= REFLECTED and guess * (REFLECTED - top * guess) < 2**32
+        inverse = (guess * (REFLECTED - top * guess)) >> INVERSE_SHIFT
+        assert inverse * (top + 1) <= 2**32
+        assert Fraction(inverse * top, 2**32) >= 1 - LOSS
+        assert inverse <= 2**19
+
+
+@pytest.mark.parametrize("bits", [4, 8])
+def test_what_a_digit_leaves(bits: int) -> None:
+    """From the lemma's inequality: every remainder is below two divisors, and fits 32 bits where it is shifted up."""
+    most = Fraction(1)
+    for _ in range(16 // bits):
+        width = {4: 27, 8: 23}[bits]
+        assert most * 2**width * 2**bits <= 2**32
+        most = 1 + most * 2**bits * LOSS + Fraction(2**bits, 2**12)
+        assert most < 2
+
+
+@given(st.integers(0, 2**27 - 1), st.integers(0, 2**27 - 1))
+def test_every_divisor_comes_into_the_table(a: int, b: int) -> None:
+    """Any divisor of an interval is shifted to between ``width - MISSING`` and ``width`` bits, numerator and all."""
+    lo, hi = min(a, b), max(a, b)
+    kernel = kernel_of(node(lo, hi, "reciprocal"))
+    assert kernel.by == "reciprocal" and hi < 2**kernel.width
+    assert kernel.smallest_bits <= max(lo, 1).bit_length()
+    for den in {max(lo, 1), hi, (lo + hi + 1) // 2, *(2**k for k in range(28) if lo <= 2**k <= hi)} - {0}:
+        for step in kernel.steps:
+            if den < 2 ** (kernel.width - step):
+                den <<= step
+        assert kernel.width - MISSING <= den.bit_length() <= kernel.width
+
+
+def test_divisors_that_are_too_large_are_divided_otherwise() -> None:
+    """What leaves no room for a digit is divided bit by bit; a remainder without room to be larger is settled."""
+    assert node(0, 2**27, "reciprocal").by == "unrolled"
+    assert node(0, 2**28, "hardware").by == "loop"
+    assert kernel_of(node(0, 2**31 - 1, "unrolled")) == Kernel("unrolled", 1)
+    assert [kernel_of(node(1, 2**bits - 1, "reciprocal")).settles for bits in (23, 24, 25)] == [False, True, False]
+    assert kernel_of(node(2**20, 2**23 - 1, "reciprocal")).steps == ()
