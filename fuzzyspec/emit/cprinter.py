@@ -1,8 +1,11 @@
 """The one printer of C expressions: precedence-aware and typed.
 
-Arithmetic is done in ``uint32_t`` or ``int32_t`` (``ctypes.word``), never left to the promotion of narrower types,
-because ``int`` may have 16 bits. Both operands of an operator are of one signedness (MISRA C:2012 rule 10.4), and what
-is not of the type that a place wants is cast (rules 10.3, 10.6). A ``U`` literal has 16 or 32 bits, as it needs.
+Arithmetic is done in ``uint32_t`` or ``int32_t``, never left to the promotion of narrower types, because ``int`` may
+have 16 bits. Where the program asks for it, it is done in the narrowest type that holds operands and result
+(``ctypes.arithmetic``); then C promotes the operands to ``int``, which cannot overflow as the result fits, and the
+result is cast back before it meets another type. Both operands of an operator are of one signedness (MISRA C:2012
+rule 10.4), what is not of the type that a place wants is cast (rules 10.3, 10.6), and never is an operation's result
+cast to a wider type than it was computed in (rule 10.8). A ``U`` literal has 16 or 32 bits, as it needs.
 """
 
 from __future__ import annotations
@@ -12,7 +15,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import assert_never
 
-from fuzzyspec.emit.ctypes import holds, of_width, signed, spelled, width, word
+from fuzzyspec.emit.ctypes import arithmetic, holds, of_width, signed, spelled, width
 from fuzzyspec.fixed.division import Kernel, kernel_of
 from fuzzyspec.fixed.program import (
     Above,
@@ -71,12 +74,17 @@ _OPPOSITE: dict[CompareOp, CompareOp] = {"<": ">=", "<=": ">", ">": "<=", ">=": 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """An expression in C: what it says, how it binds and the type of its value."""
+    """An expression in C: what it says, how it binds and the type of its value.
+
+    ``promoted``: C computes it in ``int`` or ``unsigned``, which may be wider; ``unsigned``: in the latter everywhere.
+    """
 
     text: str
     level: Level
     ctype: CType
     literal: bool = False
+    promoted: bool = False
+    unsigned: bool = False
 
 
 @dataclass(frozen=True)
@@ -84,7 +92,7 @@ class Spelling:
     """How the names of a program are written in one C function.
 
     ``ports``, ``state`` and ``fields`` give whole lvalues (``in->eta_t``, ``state->duty``, ``obstacle->distance``).
-    ``read`` leads the macros that read tables (``NAV_READ``).
+    ``read`` leads the macros that read tables (``NAV_READ``). ``narrow`` asks for the narrowest arithmetic.
     """
 
     locals: Mapping[str, str]
@@ -95,6 +103,7 @@ class Spelling:
     read: str
     mul_high: str
     quotients: Mapping[Kernel, str]
+    narrow: bool
 
 
 def literal(value: int, is_signed: bool) -> Text:
@@ -102,7 +111,7 @@ def literal(value: int, is_signed: bool) -> Text:
     if not is_signed:
         if value < 0:
             raise AssertionError("a negative constant where the intervals allow none")
-        return Text(f"{value}U", Level.ATOM, "uint16" if value <= 65535 else "uint32", literal=True)
+        return Text(f"{value}U", Level.ATOM, "uint16" if value <= 65535 else "uint32", literal=True, unsigned=True)
     ctype: CType = "int16" if -32767 <= value <= 32767 else "int32"
     if value == -(2**31):
         return Text("INT32_MIN", Level.ATOM, ctype, literal=True)
@@ -129,9 +138,14 @@ def stored(expr: Expr, ctype: CType, names: Spelling) -> str:
 
 def converted(value: Text, ctype: CType) -> str:
     """Cast unless the type widens the value's own."""
-    if signed(value.ctype) == signed(ctype) and width(value.ctype) <= width(ctype):
-        return value.text
-    return cast(value, ctype).text
+    if signed(value.ctype) == signed(ctype):
+        return (_settled(value) if width(value.ctype) <= width(ctype) else cast(value, ctype)).text
+    return cast(value if width(ctype) <= width(value.ctype) else _settled(value), ctype).text
+
+
+def _settled(value: Text) -> Text:
+    """The value in its own type."""
+    return cast(value, value.ctype) if value.promoted else value
 
 
 def condition(test: Test, names: Spelling) -> str:
@@ -175,16 +189,28 @@ def _value(expr: Expr, names: Spelling) -> Text:
 
 
 def _operand(expr: Expr, ctype: CType, names: Spelling) -> Text:
-    """The expression with the signedness of ``ctype``; it may be narrower."""
+    """The expression with the signedness of ``ctype``; it may be narrower, and is not wider in narrow arithmetic."""
     if isinstance(expr, Const):
         return literal(expr.value, signed(ctype))
     value = _value(expr, names)
+    bits = width(value.ctype)
+    if names.narrow and bits > width(ctype):
+        return cast(value, ctype)
     if signed(value.ctype) == signed(ctype):
         return value
     if signed(ctype):
-        return cast(value, ctype)
+        return cast(_settled(value), ctype)
     # By way of the unsigned type of its width: of a wider cast gcc warns where it knows the value.
-    return cast(value, of_width(False, width(value.ctype)))
+    return cast(_settled(value), of_width(False, bits))
+
+
+def _factor(expr: Expr, ctype: CType, names: Spelling) -> Text:
+    """A factor of a product of 32 bits: in narrow arithmetic of 16 where it has no more, for then one short
+    multiplication does."""
+    if names.narrow and not isinstance(expr, Const):
+        half = of_width(signed(ctype), 16)
+        return _operand(expr, half if holds(half, expr.lo, expr.hi) else ctype, names)
+    return _operand(expr, ctype, names)
 
 
 def _interval(expr: Expr) -> tuple[int, int]:
@@ -194,30 +220,50 @@ def _interval(expr: Expr) -> tuple[int, int]:
 def _binary(expr: Binary, names: Spelling) -> Text:
     level = _OPERATORS[expr.op]
     if expr.op in ("<<", ">>"):
-        if expr.left.lo < 0 or not isinstance(expr.right, Const) or not 0 <= expr.right.value < 32:
-            raise AssertionError("only non-negative values are shifted, by constants below 32")
-        word(_interval(expr.left), _interval(expr))
-        left = _widened(_operand(expr.left, "uint32", names), "uint32")
-        return Text(f"{_wrapped(left)} {expr.op} {expr.right.value}U", level, "uint32")
+        return _shift(expr, level, names)
     if expr.op == "/" and (expr.left.lo < 0 or expr.right.lo < 1):
         raise AssertionError("only non-negative values are divided, by positive ones")
-    ctype = word(_interval(expr.left), _interval(expr.right), _interval(expr))
-    left, right = _operand(expr.left, ctype, names), _operand(expr.right, ctype, names)
-    if width(left.ctype) < 32 and width(right.ctype) < 32:
+    narrow = names.narrow and not _is_complement(expr)
+    ctype = arithmetic(narrow, *(_interval(e) for e in (expr.left, expr.right, expr)))
+    operand = _factor if expr.op == "*" and width(ctype) == 32 else _operand
+    left, right = _together(operand(expr.left, ctype, names), operand(expr.right, ctype, names), ctype)
+    chained = left.level == level and expr.op in ("+", "-", "*") and (level == Level.ADD or _is_product(expr.left))
+    text = f"{left.text if chained else _wrapped(left)} {expr.op} {_wrapped(right)}"
+    return Text(text, level, ctype, promoted=width(ctype) < 32, unsigned=left.unsigned or right.unsigned)
+
+
+def _shift(expr: Binary, level: Level, names: Spelling) -> Text:
+    if expr.left.lo < 0 or not isinstance(expr.right, Const) or not 0 <= expr.right.value < 32:
+        raise AssertionError("only non-negative values are shifted, by constants below 32")
+    # MISRA C:2012 rule 12.2: the count stays below the width, so the type holds 2**count too.
+    ctype = arithmetic(names.narrow, _interval(expr.left), _interval(expr), (0, 1 << expr.right.value))
+    left = _operand(expr.left, ctype, names)
+    if width(left.ctype) < width(ctype):
+        left = cast(_settled(left), ctype)
+    text = f"{_wrapped(left)} {expr.op} {expr.right.value}U"
+    return Text(text, level, ctype, promoted=width(ctype) < 32, unsigned=left.unsigned)
+
+
+def _together(left: Text, right: Text, ctype: CType) -> tuple[Text, Text]:
+    """Two operands such that C computes in the type, or in ``int`` or ``unsigned`` what fits the type.
+
+    What C computed in ``int`` does not meet ``unsigned``, of which clang and gcc warn.
+    """
+
+    def ready(value: Text, other: Text) -> Text:
+        return value if value.ctype == ctype and (value.unsigned or not other.unsigned) else _settled(value)
+
+    left, right = ready(left, right), ready(right, left)
+    if width(left.ctype) < width(ctype) and width(right.ctype) < width(ctype):
         if left.literal and not right.literal:
             right = cast(right, ctype)
         else:
             left = cast(left, ctype)
-    chained = left.level == level and expr.op in ("+", "-", "*") and (level == Level.ADD or _is_product(expr.left))
-    return Text(f"{left.text if chained else _wrapped(left)} {expr.op} {_wrapped(right)}", level, ctype)
+    return left, right
 
 
 def _is_product(expr: Expr) -> bool:
     return isinstance(expr, Binary) and expr.op == "*"
-
-
-def _widened(value: Text, ctype: CType) -> Text:
-    return value if width(value.ctype) == 32 else cast(value, ctype)
 
 
 def _wrapped(value: Text) -> str:
@@ -228,8 +274,8 @@ def _wrapped(value: Text) -> str:
 def _either(test: Test, then: Expr, other: Expr, whole: Expr, names: Spelling) -> Text:
     """A choice of non-negative value is unsigned, though the arm that is not taken could be negative: gcc doubts the
     sign where the whole is cast instead of its arms."""
-    ctype: CType = "uint32" if whole.lo >= 0 else word(_interval(then), _interval(other))
-    left, right = _operand(then, ctype, names), _operand(other, ctype, names)
+    ctype: CType = "uint32" if whole.lo >= 0 else arithmetic(names.narrow, _interval(then), _interval(other))
+    left, right = _settled(_operand(then, ctype, names)), _settled(_operand(other, ctype, names))
     bits = max(8 if arm.literal else width(arm.ctype) for arm in (left, right))
     while not holds(of_width(signed(ctype), bits), whole.lo, whole.hi) and bits < 32:
         bits *= 2
@@ -238,7 +284,6 @@ def _either(test: Test, then: Expr, other: Expr, whole: Expr, names: Spelling) -
 
 
 def _call(function: str, left: Expr, right: Expr, names: Spelling) -> Text:
-    word(_interval(left), _interval(right), (0, 0))
     arguments = ", ".join(stored(e, "uint32", names) for e in (left, right))
     return Text(f"{function}({arguments})", Level.ATOM, "uint32")
 
@@ -262,8 +307,9 @@ def element(array: str, index: Expr, names: Spelling) -> str:
 def _test(test: Test, names: Spelling) -> Text:
     match test:
         case Compare():
-            ctype = word(_interval(test.left), _interval(test.right))
-            left, right = _operand(test.left, ctype, names), _operand(test.right, ctype, names)
+            narrow = names.narrow and not any(_is_complement(side) for side in (test.left, test.right))
+            ctype = arithmetic(narrow, _interval(test.left), _interval(test.right))
+            left, right = (_settled(_operand(side, ctype, names)) for side in (test.left, test.right))
             operator_right = right.text if right.literal else _wrapped(right)
             return Text(f"{_wrapped(left)} {test.op} {operator_right}", Level.COMPARE, "uint8")
         case AllOf():
@@ -276,6 +322,11 @@ def _test(test: Test, names: Spelling) -> Text:
             return Text(f"!{_wrapped(_test(test.operand, names))}", Level.UNARY, "uint8")
         case _:
             assert_never(test)
+
+
+def _is_complement(expr: Expr) -> bool:
+    """What gcc takes for ``~x``, and warns of where it is compared, unless in 32 bits."""
+    return isinstance(expr, Binary) and expr.op == "-" and expr.left in (Const(255), Const(65535))
 
 
 def _joined(operator: str, level: Level, operands: tuple[Test, ...], names: Spelling) -> Text:

@@ -2,16 +2,8 @@
 
 from __future__ import annotations
 
+from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.program import CType
-
-LIMITS: dict[CType, tuple[int, int]] = {
-    "uint8": (0, 2**8 - 1),
-    "int8": (-(2**7), 2**7 - 1),
-    "uint16": (0, 2**16 - 1),
-    "int16": (-(2**15), 2**15 - 1),
-    "uint32": (0, 2**32 - 1),
-    "int32": (-(2**31), 2**31 - 1),
-}
 
 _OF_WIDTH: dict[tuple[bool, int], CType] = {
     (False, 8): "uint8",
@@ -44,13 +36,15 @@ def holds(ctype: CType, lo: int, hi: int) -> bool:
     return low <= lo and hi <= high
 
 
-def word(*intervals: tuple[int, int]) -> CType:
-    """The 32-bit type that arithmetic over these intervals is done in."""
-    ctype: CType = "int32" if any(lo < 0 for lo, _ in intervals) else "uint32"
-    for lo, hi in intervals:
-        if not holds(ctype, lo, hi):
-            raise AssertionError(f"[{lo}, {hi}] does not fit {ctype}: the program's constructors must refuse this")
-    return ctype
+def arithmetic(narrow: bool, *intervals: tuple[int, int]) -> CType:
+    """The type that an operation with these intervals (operands and result) is done in: of 32 bits, or ``narrow``, of
+    as few as hold them all."""
+    is_signed = any(lo < 0 for lo, _ in intervals)
+    for bits in (8, 16, 32) if narrow else (32,):
+        ctype = of_width(is_signed, bits)
+        if all(holds(ctype, lo, hi) for lo, hi in intervals):
+            return ctype
+    raise AssertionError(f"{intervals} do not fit one type: the program's constructors must refuse this")
 
 
 def spelled(ctype: CType) -> str:

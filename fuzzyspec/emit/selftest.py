@@ -6,12 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from fuzzyspec.emit.cprinter import reader_name
-from fuzzyspec.emit.ctypes import LIMITS, count_ctype
+from fuzzyspec.emit.ctypes import count_ctype
 from fuzzyspec.emit.header import holds
 from fuzzyspec.emit.layout import code
 from fuzzyspec.emit.names import FunctionNames, Names, Scope
 from fuzzyspec.emit.tables import Printed, Reader, printed, readers
 from fuzzyspec.emit.vectors import COUNT, Column, Vectors, golden, states
+from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.program import CType, Function, ListPort, Program
 from fuzzyspec.model.system import Module
 

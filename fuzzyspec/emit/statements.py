@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from fuzzyspec.emit.cprinter import Level, Spelling, Text, condition, converted, element, literal, stored
-from fuzzyspec.emit.ctypes import LIMITS, count_ctype, signed, spelled
+from fuzzyspec.emit.ctypes import count_ctype, signed, spelled
 from fuzzyspec.emit.layout import INDENT, code, comment
 from fuzzyspec.emit.names import FunctionNames, Names, Scope, identifier, singular
+from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.program import (
     Assign,
     AssignElement,
@@ -109,6 +110,7 @@ def _context(program: Program, function: Function, names: Names, body: tuple[Stm
         read=f"{names.macro}_READ",
         mul_high=names.mul_high,
         quotients=names.quotients,
+        narrow=program.narrow,
     )
     return _Context(program, function, names, own, spelling, calls, lists, elements, counts)
 

@@ -9,7 +9,8 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from fuzzyspec.emit.ctypes import LIMITS, count_ctype
+from fuzzyspec.emit.ctypes import count_ctype
+from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.program import Function, ListPort, Port, Program, StatePort
 from fuzzyspec.fixed.run import run
 from fuzzyspec.model.system import Module

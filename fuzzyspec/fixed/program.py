@@ -3,7 +3,8 @@
 Every expression node carries the closed interval ``[lo, hi]`` that its value lies in for every input; the
 constructors in
 ``fixed.build`` derive it, so an intermediate that could leave 32 bits cannot be built. Arithmetic nodes are
-computed in ``uint32_t`` when neither an operand nor the result can be negative, else in ``int32_t``.
+computed in ``uint32_t`` when neither an operand nor the result can be negative, else in ``int32_t``, or in a narrower
+type that holds operands and result.
 Nothing shifts or divides a negative.
 """
 
@@ -422,10 +423,15 @@ class Function:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A module's functions, callees before callers; ``name`` is the prefix of every symbol."""
+    """A module's functions, callees before callers; ``name`` is the prefix of every symbol.
+
+    ``narrow``: the C computes in as few bits as hold operands and result, instead of always in 32. The value is the
+    same.
+    """
 
     name: str
     functions: tuple[Function, ...]
+    narrow: bool = False
 
     def function(self, name: str) -> Function:
         return next(f for f in self.functions if f.name == name)

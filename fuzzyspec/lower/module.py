@@ -104,8 +104,9 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
         certificates[system.name] = _of_system(system, function, system_numbers, chosen)
     if problems:
         raise LoweringError(tuple(problems))
-    fitted = tuple(fit_widths(f, WIDTHS[chosen.target]) for f in functions.values())
-    return Lowered(Program(module.name, fitted), certificates)
+    widths = WIDTHS[chosen.target]
+    fitted = tuple(fit_widths(f, widths) for f in functions.values())
+    return Lowered(Program(module.name, fitted, narrow=widths == "narrow"), certificates)
 
 
 def _of_controller(

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fuzzyspec.emit.ctypes import LIMITS
 from fuzzyspec.emit.names import FunctionNames, name_module
+from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.native.layout import Layout, layout_of, out_types, ports_of, states_of
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +13,11 @@ import pytest
 
 from fuzzyspec.diagnostics.diagnostic import Source
 from fuzzyspec.emit import Plan, emit
-from fuzzyspec.emit.ctypes import LIMITS
+from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.certificate import Certificate
 from fuzzyspec.fixed.program import Function, ListPort, Program
 from fuzzyspec.fixed.run import run
+from fuzzyspec.lower.widths import fit_widths
 from fuzzyspec.model.system import Module
 from fuzzyspec.native import Death, NativeModule, NativeProcess
 from tests.emit.emit_holding import HOLDING
@@ -85,10 +87,29 @@ def cases(function: Function, count: int) -> dict[str, np.ndarray]:
     return found
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_random_programs_agree_with_the_integer_model(seed: int) -> None:
+def words(program: Program) -> Program:
+    """The program as it is, its locals of any type."""
+    return program
+
+
+def narrow(program: Program) -> Program:
+    """In the narrowest arithmetic, its locals of any type."""
+    return replace(program, narrow=True)
+
+
+def fitted(program: Program) -> Program:
+    """In the narrowest arithmetic, its locals as narrow as they can be."""
+    return replace(program, narrow=True, functions=tuple(fit_widths(f, "narrow") for f in program.functions))
+
+
+WIDTHS: list[Callable[[Program], Program]] = [words, narrow, fitted]
+
+
+@pytest.mark.parametrize("widths", WIDTHS)
+@pytest.mark.parametrize("seed", range(4))
+def test_random_programs_agree_with_the_integer_model(seed: int, widths: Callable[[Program], Program]) -> None:
     """Trees over every node, within 32 bits, come out bit for bit as in the model; so does the self-test."""
-    program = scalar_program(seed)
+    program = widths(scalar_program(seed))
     inputs = cases(program.functions[0], 4000)
     wanted = run(program, "mixed", inputs)
     with NativeModule(program, plan_of(program).files) as native:
@@ -99,10 +120,10 @@ def test_random_programs_agree_with_the_integer_model(seed: int) -> None:
     np.testing.assert_array_equal(got.status, wanted.status)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_random_programs_hold_no_undefined_behaviour(seed: int) -> None:
+@pytest.mark.parametrize("widths", WIDTHS)
+def test_random_programs_hold_no_undefined_behaviour(widths: Callable[[Program], Program]) -> None:
     """The address and undefined-behaviour sanitizers find nothing at any of the cases."""
-    program = scalar_program(100 + seed)
+    program = widths(scalar_program(100))
     inputs = cases(program.functions[0], 2000)
     with NativeProcess(program, plan_of(program).files, sanitize=True) as native:
         got = native.run("mixed", inputs)
@@ -175,13 +196,16 @@ def test_the_selftest_finds_an_edit(change: str) -> None:
 
 
 @pytest.mark.parametrize("build", BUILDS)
+@pytest.mark.parametrize("widths", WIDTHS)
 @pytest.mark.parametrize("program", [scalar_program(3), list_program(5), HOLDING], ids=["scalars", "lists", "holding"])
-def test_no_compiler_says_a_word(build: str, program: Program, tmp_path: Path) -> None:
+def test_no_compiler_says_a_word(
+    build: str, program: Program, widths: Callable[[Program], Program], tmp_path: Path
+) -> None:
     """C99 and C++, int of 16 and of 32 bits: clean under every warning that we promise, and some more."""
     command = BUILDS[build]
     if shutil.which(command[0]) is None or not _links(command, tmp_path):
         pytest.skip(f"{build} is not installed")
-    compiles(plan_of(program), command, tmp_path)
+    compiles(plan_of(widths(program)), command, tmp_path)
 
 
 def _links(command: tuple[str, ...], folder: Path) -> bool:
