@@ -114,6 +114,11 @@ def add_bounded(left: Expr, right: Expr, hi: int, lo: int = 0) -> Expr:
     return _binary("+", left, right, lo, hi)
 
 
+def capped(expr: Expr, hi: int) -> Expr:
+    """The same expression where the caller's proof keeps it at ``hi`` or below."""
+    return expr if isinstance(expr, Const) else replace(expr, hi=min(expr.hi, hi))
+
+
 def mul(left: Expr, right: Expr) -> Expr:
     """``left * right``."""
     if isinstance(left, Const):

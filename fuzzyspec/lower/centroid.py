@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
@@ -28,7 +28,7 @@ from fuzzyspec.fixed.program import (
     Table,
 )
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
-from fuzzyspec.lower.even import EvenOutput, even_output
+from fuzzyspec.lower.even import AREA_BITS, EvenOutput, evaluate_even, even_output
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.mean import Tail, mean_to_raw
 from fuzzyspec.lower.scope import Scope
@@ -56,8 +56,12 @@ class SetNumbers:
 
 @dataclass(frozen=True)
 class CentroidNumbers:
+    """``area_slip`` and ``moment_slip`` bound, in the sets' units, what shortening both sums for the division costs."""
+
     sets: tuple[SetNumbers, ...]
     tail: Tail
+    area_slip: float = 0.0
+    moment_slip: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -79,8 +83,8 @@ def centroid(
     Raises TooManySets.
     """
     forms = clipped_sets(output)
-    scale = scale_of(forms)
-    even = even_output(output) if scale.exact else None
+    even = even_output(output)
+    scale = scale_of(forms) if even is None else even.scale
     name = output.name
     positive = [f for f in forms if f.sign > 0]
     negative = [f for f in forms if f.sign < 0]
@@ -101,13 +105,16 @@ def centroid(
     area: Expr = sums["area"]
     if negative:
         area = build.above(area, sums["overlap"])
-    area = _capped(area, scale.largest_area)
     moment: Expr = sums["moment"]
     if "moment_off" in sums:
         moment = build.above(moment, sums["moment_off"])
         bound = Local(scope.name(f"{name}_m"), "uint32", 0, build.UINT32_MAX)
         body.append(Define(bound, moment, True))
         moment = bound
+    if even is not None:
+        steps, raw, found_numbers = even_mean(output, even, area, moment, tuple(numbers), division, scope)
+        return body + steps, raw, tables, found_numbers
+    area = build.capped(area, scale.largest_area)
     bound = Local(scope.name(f"{name}_a"), "uint32", 0, area.hi)
     body.append(Define(bound, area, True))
     divisor = build.mul(bound, Const(scale.weight_denominator if scale.exact else 1))
@@ -115,13 +122,35 @@ def centroid(
     return body + steps, raw, tables, CentroidNumbers(tuple(numbers), tail)
 
 
+def even_mean(
+    output: Output,
+    even: EvenOutput,
+    area: Expr,
+    moment: Expr,
+    sets: tuple[SetNumbers, ...],
+    division: Division,
+    scope: Scope,
+    rounded: bool = False,
+) -> tuple[list[Stmt], Expr, CentroidNumbers]:
+    """The raw of an even output from its sums; ``rounded`` ones hold the half that rounds their shortening."""
+    name, shift = output.name, even.shift
+    half = 1 << (shift - 1)
+    domain = (even.domain << AREA_BITS) + half
+    room = build.UINT32_MAX - half
+    if not rounded:
+        area = build.add(build.capped(area, domain - half), Const(half))
+        moment = build.add(build.capped(moment, room), Const(half))
+    a_value = build.shift_right(build.capped(area, domain), shift)
+    m_value = build.shift_right(moment, shift)
+    a, m = build.local(scope.name(f"{name}_a"), a_value), build.local(scope.name(f"{name}_m"), m_value)
+    body: list[Stmt] = [Define(a, a_value, True), Define(m, m_value, True)]
+    steps, raw, tail = mean_to_raw(output.variable, m, build.mul(a, Const(even.span)), division, scope)
+    slip = float(Fraction(half) / even.scale.area)
+    return body + steps, raw, CentroidNumbers(sets, tail, slip, slip / even.span)
+
+
 def _lowers(form: ClippedSet) -> bool:
     return form.moment_sign * form.sign < 0
-
-
-def _capped(area: Expr, hi: int) -> Expr:
-    """The same expression with the interval that the scale was chosen for."""
-    return replace(area, hi=min(area.hi, hi)) if not isinstance(area, Const) else area
 
 
 def _groups(forms: Sequence[ClippedSet]) -> list[_Group]:
@@ -163,8 +192,11 @@ def _group(
             Define(other, member(k), True),
             Branch(build.compare("<", other, height), (Assign(height, other),)),
         ]
-    unit, multiple = (form, 1) if even is None else even.unit_of(form)
-    found = evaluate(unit, scale, height, scope, name)
+    multiple = even.halves[form.members[0]] if even is not None and len(form.members) == 1 else 1
+    if even is None:
+        found = evaluate(form, scale, height, scope, name)
+    else:
+        found = evaluate_even(form, even, height, scope, name)
     inner, area, moment = list(found.steps), found.area, found.moment
     tables: list[Table] = []
     target, moment_target = ("area", "moment") if form.sign > 0 else ("overlap", "moment_off")

@@ -7,7 +7,7 @@ from itertools import product
 from typing import get_args
 
 from fuzzyspec.fixed.program import Division
-from fuzzyspec.lower.masks import applies as masks_apply
+from fuzzyspec.lower.levels import applies as levels_apply
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.multilinear import WRITTEN_OUT
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
@@ -18,15 +18,13 @@ DIVIDES: frozenset[Target] = frozenset({"cortex-m4", "cortex-m7", "rv32imc"})
 """Machines on which 32-bit division is an instruction, not a call of a library."""
 WIDTHS: Mapping[Target, Widths] = {t: "narrow" if t == "avr" else "words" for t in get_args(Target)}
 """On 8 bits every byte of a value costs; on 32 a narrow local costs, which is cut to its width at every step."""
-ROOMY: frozenset[Target] = frozenset({"cortex-m4", "cortex-m7", "rv32imc"})
-"""Machines on which a dozen values stay in registers."""
 
 
 def rules_of(controller: Controller) -> tuple[Rules, ...]:
     """The ways of firing that a controller's rules allow, loops first."""
     if multilinear_applies(controller) or not minors_apply(controller):
         return ("loops",)
-    return ("loops", "minors") if masks_apply(controller) is None else ("loops", "minors", "levels")
+    return ("loops", "minors") if levels_apply(controller) is None else ("loops", "minors", "levels")
 
 
 def strategies(controller: Controller) -> tuple[Strategy, ...]:
@@ -43,8 +41,6 @@ def choose(controller: Controller, goal: Goal, target: Target) -> Strategy:
         return Strategy("loops", "loops", division)
     possible = rules_of(controller)
     rules: Rules = possible[-1]
-    if rules == "levels" and not (target in ROOMY and _levels_gain(controller)):
-        rules = "minors"
     interpolation: Interpolation = "written" if len(controller.inputs) <= WRITTEN_OUT else "loops"
     return Strategy(rules, interpolation, division)
 
@@ -54,11 +50,3 @@ def division_of(goal: Goal, target: Target) -> Division:
     if target in DIVIDES:
         return "hardware"
     return "loop" if goal == "size" or target == "avr" else "reciprocal"
-
-
-def _levels_gain(controller: Controller) -> bool:
-    """A level costs each output about what two sets cost one by one."""
-    evens = masks_apply(controller)
-    assert evens is not None
-    levels = (len(controller.inputs) + 1) * len(evens)
-    return 2 * levels < sum(len(e.forms) for e in evens)

@@ -31,9 +31,9 @@ from fuzzyspec.lower.average import AverageNumbers, average
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
 from fuzzyspec.lower.fire import DEGREE_BITS, Firing, fire
 from fuzzyspec.lower.fuzzify import fuzzify
+from fuzzyspec.lower.levels import Means, fire_levels
+from fuzzyspec.lower.levels import applies as levels_apply
 from fuzzyspec.lower.lines import DEGREE_ONE
-from fuzzyspec.lower.masks import Means, fire_masks
-from fuzzyspec.lower.masks import applies as masks_apply
 from fuzzyspec.lower.minors import fire_minors
 from fuzzyspec.lower.multilinear import MultilinearNumbers, interpolate
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
@@ -66,21 +66,32 @@ def port_of(variable: Variable) -> Port:
     return Port(variable.name, raw.ctype, raw.lo, raw.hi, variable)
 
 
-def saturated(variable: Variable, given: Expr, name: str, bit: str, scope: Scope) -> tuple[list[Stmt], Expr]:
-    """A raw from outside, brought to the nearest legal one; ``bit`` tells where that changed it."""
+def saturated(
+    variable: Variable, given: Expr, name: str, bit: str, scope: Scope
+) -> tuple[list[Stmt], Expr, list[Stmt]]:
+    """A raw from outside, brought to the nearest legal one, and statements that set ``bit`` where that changed it."""
     raw = variable.raw
-    value = build.local(scope.name(name), given)
-    body: list[Stmt] = [Define(value, given, False)]
-    if value.lo >= raw.lo and value.hi <= raw.hi:
-        return [Define(value, given, True)], value
-    if value.lo < raw.lo:
-        low = build.compare("<", value, Const(raw.lo))
-        body.append(Branch(low, (Assign(value, Const(raw.lo)), SetStatus(bit))))
-    if value.hi > raw.hi:
-        high = build.compare(">", value, Const(raw.hi))
-        body.append(Branch(high, (Assign(value, Const(raw.hi)), SetStatus(bit))))
-    legal = Local(value.name, value.ctype, raw.lo, raw.hi)
-    return body, legal
+    read = build.local(scope.name(f"{name}_raw" if given.lo < raw.lo or given.hi > raw.hi else name), given)
+    body: list[Stmt] = [Define(read, given, True)]
+    if given.lo >= raw.lo and given.hi <= raw.hi:
+        return body, read, []
+    if given.lo >= raw.lo >= 0:
+        # A difference, not a minimum: of a minimum's two values one is a constant, for which compilers double all that
+        # follows.
+        excess = build.above(read, Const(raw.hi))
+        over = build.local(scope.name(f"{name}_over"), excess)
+        value = build.sub_guarded(read, over, raw.hi)
+        legal = Local(scope.name(name), read.ctype, raw.lo, raw.hi)
+        body += [Define(over, excess, True), Define(legal, value, True)]
+        return body, legal, [Branch(build.compare("!=", over, Const(0)), (SetStatus(bit),))]
+    bounded: Expr = build.greatest(read, Const(raw.lo))
+    if given.hi > raw.hi:
+        risen = build.local(scope.name(f"{name}_risen"), bounded, ctype=read.ctype)
+        body.append(Define(risen, bounded, True))
+        bounded = build.least(risen, Const(raw.hi))
+    legal = Local(scope.name(name), read.ctype, raw.lo, raw.hi)
+    body.append(Define(legal, bounded, True))
+    return body, legal, [Branch(build.compare("!=", read, legal), (SetStatus(bit),))]
 
 
 def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Function, ControllerNumbers]:
@@ -90,7 +101,8 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     body: list[Stmt] = []
     status: list[StatusBit] = []
     degrees = []
-    evens = masks_apply(controller) if strategy.rules == "levels" else None
+    saturations: list[Stmt] = []
+    evens = levels_apply(controller) if strategy.rules == "levels" else None
     linear = multilinear_applies(controller)
     bare = linear or strategy.rules != "loops"
     for item in controller.inputs:
@@ -101,15 +113,16 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
             status.append(StatusBit(bit, f"{variable.name} was outside its range and was saturated"))
         given = ReadPort(variable.name, variable.raw.ctype, low, high)
         body.append(Comment(f"{item.name}: degrees of {', '.join(t.name for t in item.terms)}"))
-        steps, raw = saturated(variable, given, variable.name, bit, scope)
+        steps, raw, told = saturated(variable, given, variable.name, bit, scope)
         body += steps
+        saturations += told
         steps, found = fuzzify(item, raw, scope, bool(controller.sentences), bare)
         body += steps
         degrees.append(found)
     means: Means | list[tuple[list[Stmt], Expr, MultilinearNumbers]] | None = None
     if evens is not None and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
-        means = fire_masks(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
+        means = fire_levels(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
     elif linear and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
         loops = strategy.interpolation == "loops"
@@ -118,6 +131,8 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     else:
         firing = fire(controller, degrees, scope, fire_minors if bare else None)
     body += firing.body
+    # Not where the inputs are read: what depends on a saturated raw is not to be compiled twice.
+    body += saturations
     threshold = max(1, math.floor(controller.fires_at * firing.one + Fraction(1, 2)))
     body += _acting(controller, firing, threshold)
     tables = list(firing.tables)

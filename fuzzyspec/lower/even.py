@@ -1,83 +1,162 @@
-"""Outputs whose sets come in few shapes: an even partition's areas are multiples of two polynomials.
+"""Even outputs: triangles of one width that meet at 1/2 or not at all, whose areas are three integer functions.
 
-All terms of such an output have areas proportional to one another, and so have all its overlaps, whose means lie at
-their middles. Terms that are not symmetric (the half triangles at the ends) share one moment polynomial.
+With the spacing as unit, a half triangle clipped at c has the area ``c - c**2 / 2``, the overlap of two neighbours
+``c - c**2`` (up to 1/2), and an end's half triangle has, about its peak, the moment ``(c - c**2) / 2 + c**3 / 6``.
+Whole triangles and overlaps have their means at their middles. So squares and, for the ends, cubes of the clip heights
+are all that any program for such an output computes, and every such program adds the same integers.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
+import numpy as np
+
+from fuzzyspec.fixed import build
+from fuzzyspec.fixed.program import Const, Define, Expr, Local, Stmt
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
+from fuzzyspec.lower.lines import DEGREE_ONE
+from fuzzyspec.lower.scope import Scope
+from fuzzyspec.lower.sets import Evaluated, Scale, all_heights, closed_form
 from fuzzyspec.model.controller import Output
 
 MAX_TERMS = 8
 """Sets of terms are bits of a byte."""
-MAX_MULTIPLE = 4
+AREA_BITS = 22
+"""A half triangle's area of 1/2 spacing is ``2**22``; its moment's unit is that times half a spacing."""
+MAX_SPAN = 16
+"""Half spacings in a range: keeps sums of moments below 2**32."""
+SQUARE_SHIFT = 30 - AREA_BITS
+HEIGHT_SHIFT = AREA_BITS - 14
+DIVISOR_LIMIT = 2**24
+"""Areas times the range stay below it, so that two hardware divisions make a quotient."""
+MOMENT_BIAS = 2 ** (AREA_BITS + 1)
+"""Keeps a sum of moments positive on its way: an end's cube may be subtracted before the rest of its moment comes."""
 
 
 @dataclass(frozen=True)
 class EvenOutput:
-    """``single`` is the smallest term, ``multiples`` the areas of all terms in units of its; ``pair`` is None
-    without overlaps.
+    """By term, ``halves``: the half triangles that it is made of, ``peaks``: half spacings from the range's low end,
+    ``ends``: 1 for a half triangle that falls, -1 for one that rises, 0 for a whole one. ``met``: the terms that
+    overlap the next one.
 
-    ``turning`` is a term that is not symmetric, None where all are.
+    ``span``: half spacings in the range. ``domain``: the area of all that is integrated over, in half triangles.
     """
 
     forms: tuple[ClippedSet, ...]
-    single: ClippedSet
-    multiples: tuple[int, ...]
-    pair: ClippedSet | None
-    turning: ClippedSet | None
-
-    def unit_of(self, form: ClippedSet) -> tuple[ClippedSet, int]:
-        """The set to evaluate in place of one of the output's, and how many times its area stands for that one's.
-
-        Every program for the output does this, so all of them compute the same integers.
-        """
-        if len(form.members) != 1 or form.moment_sign:
-            return form, 1
-        return replace(self.single, moment_sign=0), self.multiples[form.members[0]]
+    halves: tuple[int, ...]
+    peaks: tuple[int, ...]
+    ends: tuple[int, ...]
+    met: tuple[int, ...]
+    span: int
+    domain: int
 
     @property
-    def singles(self) -> tuple[ClippedSet, ...]:
-        return tuple(f for f in self.forms if len(f.members) == 1)
+    def scale(self) -> Scale:
+        """Integer units of a relative area."""
+        return Scale(Fraction(self.span) * 2**AREA_BITS, self.span, True)
 
     @property
-    def pairs(self) -> tuple[ClippedSet, ...]:
-        return tuple(f for f in self.forms if len(f.members) == 2)
+    def shift(self) -> int:
+        """What area and moment are shortened by before they are divided."""
+        shift = 2
+        while self.largest_area(shift) * self.span >= DIVISOR_LIMIT:
+            shift += 1
+        return shift
+
+    def largest_area(self, shift: int) -> int:
+        """The shortened area of the whole domain."""
+        return ((self.domain << AREA_BITS) + (1 << (shift - 1))) >> shift
 
 
 def even_output(output: Output) -> EvenOutput | None:
-    """The output's sets, or None where they are not that regular. Raises TooManySets."""
-    if output.peaks is None or len(output.terms) > MAX_TERMS:
+    """The output's shape, or None where it is not that regular. Raises TooManySets."""
+    if not 2 <= len(output.terms) <= MAX_TERMS:
         return None
     forms = clipped_sets(output)
     singles = [f for f in forms if len(f.members) == 1]
-    pairs = [f for f in forms if len(f.members) == 2]
-    if len(singles) + len(pairs) != len(forms) or len(singles) != len(output.terms):
+    if len(singles) < len(output.terms) or any(len(f.pieces) != 1 for f in forms):
         return None
-    if any(len(f.pieces) != 1 for f in forms) or any(f.moment_sign for f in pairs):
+    widths = [f.pieces[0].width for f in singles]
+    spacing = min(w if f.moment_sign else w / 2 for f, (w, _) in zip(singles, widths, strict=True))
+    halves = [w / spacing for w, _ in widths]
+    if any(h not in (1, 2) or fall != -w for h, (w, fall) in zip(halves, widths, strict=True)):
         return None
-    if any(f.members[1] != f.members[0] + 1 or f.pieces != pairs[0].pieces for f in pairs):
+    if any((f.moment_sign == 0) != (h == 2) for f, h in zip(singles, halves, strict=True)):
         return None
-    single = min(singles, key=lambda f: (f.pieces[0].width[0], -abs(f.moment_sign)))
-    multiples: list[int] = []
-    for f in singles:
-        ratio = _ratio(f, single)
-        if ratio is None or ratio.denominator != 1 or ratio > MAX_MULTIPLE:
-            return None
-        multiples.append(int(ratio))
-    turning = [f for f in singles if f.moment_sign]
-    if any(multiples[f.members[0]] != 1 for f in turning):
+    pairs = forms[len(singles) :]
+    if any(f.members != (f.members[0], f.members[0] + 1) or f.moment_sign for f in pairs):
         return None
-    if any(f.pieces[0].first != turning[0].pieces[0].first for f in turning):
+    if any(f.pieces[0].width != (spacing, -2 * spacing) for f in pairs):
         return None
-    return EvenOutput(forms, single, tuple(multiples), pairs[0] if pairs else None, turning[0] if turning else None)
+    span = 2 / spacing
+    peaks = [f.reference * span for f in singles]
+    middles = [f.reference * span for f in pairs]
+    domain = (output.integrate_hi - output.integrate_lo) / (output.variable.hi - output.variable.lo) * span
+    if any(x.denominator != 1 for x in (span, domain, *peaks, *middles)) or span > MAX_SPAN:
+        return None
+    if any(m != peaks[f.members[0]] + 1 or m != peaks[f.members[1]] - 1 for m, f in zip(middles, pairs, strict=True)):
+        return None
+    met = tuple(f.members[0] for f in pairs)
+    return EvenOutput(
+        forms,
+        tuple(map(int, halves)),
+        tuple(map(int, peaks)),
+        tuple(f.moment_sign for f in singles),
+        met,
+        int(span),
+        int(domain),
+    )
 
 
-def _ratio(form: ClippedSet, unit: ClippedSet) -> Fraction | None:
-    a, b = form.pieces[0].width, unit.pieces[0].width
-    ratio = a[0] / b[0]
-    return ratio if a[1] == ratio * b[1] else None
+def square(height: Local, name: str, scope: Scope) -> Define:
+    """``floor(h**2 / 2**8)``: in the area's unit the square of the clip height."""
+    value = build.shift_right(build.mul(height, height), SQUARE_SHIFT)
+    return Define(build.local(scope.name(f"{name}_square"), value, ctype="uint32"), value, True)
+
+
+def cube(height: Local, squared: Local) -> Expr:
+    """``c**3 / 6`` in the moment's unit, from h and its square: 43691/1024 is 2**8 / 6."""
+    rough = build.shift_right(build.mul(build.shift_right(squared, 6), height), 15)
+    return build.shift_right(build.mul(rough, Const(43691)), 10)
+
+
+def evaluate_even(form: ClippedSet, even: EvenOutput, height: Local, scope: Scope, name: str) -> Evaluated:
+    """A half triangle (and its moment, where it is an end's) or an overlap at a height; proved at every height."""
+    draft, area, moment = _draft(form, height, Scope(set(scope.taken)), name)
+    areas, moments = all_heights(draft, area, moment, height)
+    steps, area, moment = _draft(form, height, scope, name)
+    count = even.halves[form.members[0]] if len(form.members) == 1 else 1
+    exact_area, exact_moment = closed_form(form)
+    unit, slack = float(even.scale.area), 2.0**-44  # float64 evaluation: under 2**8 roundings of values below 1
+    area_error = np.abs(areas / unit - exact_area / count) + slack
+    moment_error = np.zeros_like(exact_area)
+    if moment is not None:
+        moment_error = np.abs(moments / (unit * even.span) - exact_moment) + slack
+    return Evaluated(steps, area, moment, area_error, moment_error, (len(form.members), moment is not None))
+
+
+def _draft(form: ClippedSet, height: Local, scope: Scope, name: str) -> tuple[list[Stmt], Local, Local | None]:
+    body: list[Stmt] = []
+    pair = len(form.members) == 2
+    if pair:
+        top = DEGREE_ONE // 2
+        clipped = Local(scope.name(f"{name}_c"), "uint16", 0, top)
+        body.append(Define(clipped, build.least(height, Const(top)), True))
+        height = clipped
+    squared = square(height, name, scope)
+    body.append(squared)
+    times = 2 if pair else 1
+    less = build.mul(squared.local, Const(times))
+    value = build.sub_guarded(build.shift_left(height, HEIGHT_SHIFT), less, 2**AREA_BITS // times)
+    area = build.local(scope.name(f"{name}_part"), value, ctype="uint32")
+    body.append(Define(area, value, True))
+    if pair or not form.moment_sign:
+        return body, area, None
+    cubed = cube(height, squared.local)
+    # The area less another square, more the cube: never negative, for c >= c**2 >= c**2 - c**3 / 3.
+    turned = build.sub_guarded(build.add(area, cubed), squared.local, (2**16 * 43691) >> 10)
+    moment = build.local(scope.name(f"{name}_turn"), turned, ctype="uint32")
+    body.append(Define(moment, turned, True))
+    return body, area, moment

@@ -11,7 +11,7 @@ which hold it and any of the larger ones (1, 2, 4 .. of them). No minimum is tak
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from fuzzyspec.fixed import build
@@ -66,31 +66,45 @@ Act = Callable[[Expr, Local], list[Stmt]]
 class Minors:
     """The cell of the majors and the minors of every input, the largest first."""
 
-    base: Expr
+    base: Local
     sorted: list[Minor]
 
     @staticmethod
-    def of(controller: Controller, cells: CellRules, degrees: list[Degrees], body: list[Stmt], scope: Scope) -> Minors:
-        """Append the statements that find and sort them."""
+    def of(
+        controller: Controller,
+        cells: CellRules,
+        degrees: list[Degrees],
+        body: list[Stmt],
+        scope: Scope,
+        packed: bool = False,
+    ) -> Minors:
+        """Append the statements that find and sort them; ``packed`` sorts a degree and its step in one word."""
         body.append(Comment("rules: the cell of the larger degrees, and how each smaller degree leaves it"))
         strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(cells.shape))]
-        base: Expr = Const(0)
-        minors: list[Minor] = []
-        for i, (d, stride) in enumerate(zip(degrees, strides, strict=True)):
-            minor, at = _minor(controller.inputs[i].name, d, stride, max(strides), body, scope)
-            minors.append(minor)
-            total = build.add(base, at)
-            base = build.local(scope.name("cell"), total, ctype="uint32")
-            body.append(Define(base, total, True))
+        low: Expr = Const(0)
+        for d, stride in zip(degrees, strides, strict=True):
+            low = build.add(low, build.mul(d.first, Const(stride)))
+        base = Local(scope.name("cell"), "uint32", 0, math.prod(cells.shape) - 1)
+        body.append(Define(base, low, False))
+        names = [i.name for i in controller.inputs]
+        given = zip(names, degrees, strides, strict=True)
+        if packed:
+            keys = [_key(n, d, s, max(strides), base, body, scope) for n, d, s in given]
+            _sort_keys(keys, body, scope)
+            return Minors(base, [_unpacked(k, max(strides), body, scope) for k in keys])
+        minors = [_minor(n, d, s, max(strides), base, body, scope) for n, d, s in given]
         _sort(minors, body, scope)
         return Minors(base, minors)
 
-    def groups(self, last: int, body: list[Stmt], scope: Scope) -> list[Group]:
-        """The n + 1 strengths and their cells, strongest first; ``last`` is the largest index of a cell."""
+    def groups(self, last: int, body: list[Stmt], scope: Scope) -> Iterator[Group]:
+        """The n + 1 strengths and their cells, strongest first, each defined in ``body`` when it is asked for.
+
+        ``last`` is the largest index of a cell.
+        """
         majors = build.sub(Const(DEGREE_ONE), self.sorted[0].degree)
         strength = build.local(scope.name("majors"), majors)
         body.append(Define(strength, majors, True))
-        found: list[Group] = [(strength, [self.base])]
+        yield strength, [self.base]
         offsets: list[Expr] = [self.base]
         for minor in self.sorted:
             places: list[Expr] = []
@@ -99,9 +113,8 @@ class Minors:
                 place = Local(scope.name("cell"), "int32", 0, last)
                 body.append(Define(place, build.add_bounded(offset, minor.step, last), True))
                 places.append(place)
-            found.append((minor.degree, places))
+            yield minor.degree, places
             offsets += places
-        return found
 
     def ties(self, groups: list[Group], act: Act, body: list[Stmt]) -> None:
         """Where a minor is 1/2 its cells are as strong as that of the majors: the higher priority acts."""
@@ -119,7 +132,7 @@ def fire_minors(controller: Controller, cells: CellRules, degrees: list[Degrees]
     minors = Minors.of(controller, cells, degrees, body, scope)
     consequents = consequent_tables(controller, cells, firing, scope)
     owners = owner_table(controller, cells, firing, scope)
-    groups = minors.groups(math.prod(cells.shape) - 1, body, scope)
+    groups: list[Group] = []
     unowned = owners is not None and 0 in owners.values
 
     def fired(row: Expr, strength: Local, acts: bool) -> list[Stmt]:
@@ -133,7 +146,8 @@ def fire_minors(controller: Controller, cells: CellRules, degrees: list[Degrees]
             steps += raise_level(controller, firing, o, term, strength, holes)
         return steps + (act(owners, row, strength, firing, scope) if owners is not None and acts else [])
 
-    for level, (strength, places) in enumerate(groups):
+    for level, (strength, places) in enumerate(minors.groups(math.prod(cells.shape) - 1, body, scope)):
+        groups.append((strength, places))
         steps = [s for p in places for s in fired(p, strength, level == 0 or unowned)]
         if level:
             body.append(Branch(build.compare(">", strength, Const(0)), tuple(steps)))
@@ -143,48 +157,90 @@ def fire_minors(controller: Controller, cells: CellRules, degrees: list[Degrees]
         minors.ties(groups, lambda p, s: act(owners, p, s, firing, scope), body)
 
 
-def _minor(name: str, d: Degrees, stride: int, widest: int, body: list[Stmt], scope: Scope) -> tuple[Minor, Expr]:
+def _minor(name: str, d: Degrees, stride: int, widest: int, base: Local, body: list[Stmt], scope: Scope) -> Minor:
     upper = d.upper
     assert upper is not None
-    low = build.mul(d.first, Const(stride))
     degree = Local(scope.name(f"{name}_minor"), "uint16", 0, HALF_DEGREE)
     step = Local(scope.name(f"{name}_step"), "int32", -widest, widest)
-    at = Local(scope.name(f"{name}_at"), "int32", 0, low.hi + stride)
-    above = build.sub_guarded(Const(DEGREE_ONE), upper, HALF_DEGREE)
     body += [
         Define(degree, Const(0), False),
         Define(step, Const(stride), False),
-        Define(at, low, False),
         Branch(
             build.compare(">", upper, Const(HALF_DEGREE)),
             (
-                Assign(degree, above),
+                Assign(degree, build.sub_guarded(Const(DEGREE_ONE), upper, HALF_DEGREE)),
                 Assign(step, Const(-stride)),
-                Assign(at, build.add(low, Const(stride))),
+                Assign(base, build.add_bounded(base, Const(stride), base.hi)),
             ),
             (Assign(degree, build.sub_guarded(upper, Const(0), HALF_DEGREE)),),
         ),
     ]
-    return Minor(degree, step), at
+    return Minor(degree, step)
+
+
+def _key(name: str, d: Degrees, stride: int, widest: int, base: Local, body: list[Stmt], scope: Scope) -> Local:
+    """The minor in the upper half of a word, its step plus the widest one in the lower."""
+    upper = d.upper
+    assert upper is not None
+    key = Local(scope.name(f"{name}_key"), "uint32", 0, (HALF_DEGREE << 16) + 2 * widest)
+
+    def packed(degree: Expr, step: int) -> Expr:
+        return build.capped(build.add(build.mul(degree, Const(1 << 16)), Const(widest + step)), key.hi)
+
+    body += [
+        Define(key, Const(0), False),
+        Branch(
+            build.compare(">", upper, Const(HALF_DEGREE)),
+            (
+                Assign(key, packed(build.sub_guarded(Const(DEGREE_ONE), upper, HALF_DEGREE), -stride)),
+                Assign(base, build.add_bounded(base, Const(stride), base.hi)),
+            ),
+            (Assign(key, packed(build.capped(upper, HALF_DEGREE), stride)),),
+        ),
+    ]
+    return key
+
+
+def _unpacked(key: Local, widest: int, body: list[Stmt], scope: Scope) -> Minor:
+    degree_value = build.shift_right(key, 16)
+    low = build.capped(build.bits_and(key, Const(0xFFFF)), 2 * widest)
+    step_value = build.sub(low, Const(widest))
+    degree = build.local(scope.name("minor"), degree_value)
+    step = build.local(scope.name("step"), step_value, ctype="int32")
+    body += [Define(degree, degree_value, True), Define(step, step_value, True)]
+    return Minor(degree, step)
+
+
+NETWORKS: dict[int, tuple[tuple[int, int], ...]] = {
+    2: ((0, 1),),
+    3: ((0, 2), (0, 1), (1, 2)),
+    4: ((0, 2), (1, 3), (0, 1), (2, 3), (1, 2)),
+    5: ((0, 3), (1, 4), (0, 2), (1, 3), (0, 1), (2, 4), (1, 2), (3, 4), (2, 3)),
+}
+"""The fewest exchanges that sort 2 to 5 values (Knuth, The Art of Computer Programming 3, 5.3.4)."""
+
+
+def _sort_keys(keys: list[Local], body: list[Stmt], scope: Scope) -> None:
+    """Leave the largest first."""
+    for i, j in NETWORKS[len(keys)]:
+        a, b = keys[i], keys[j]
+        kept = Local(scope.name("kept"), "uint32", a.lo, a.hi)
+        swap = (Define(kept, a, True), Assign(a, b), Assign(b, kept))
+        body.append(Branch(build.compare("<", a, b), swap))
 
 
 def _sort(minors: list[Minor], body: list[Stmt], scope: Scope) -> None:
-    """A network of exchanges that leaves the largest minor first (insertion order, n (n - 1) / 2 exchanges)."""
-    for end in range(len(minors) - 1, 0, -1):
-        for i in range(end):
-            a, b = minors[i], minors[i + 1]
-            kept = Local(scope.name("kept"), "uint16", 0, HALF_DEGREE)
-            kept_step = Local(scope.name("kept_step"), "int32", a.step.lo, a.step.hi)
-            body.append(
-                Branch(
-                    build.compare("<", a.degree, b.degree),
-                    (
-                        Define(kept, a.degree, True),
-                        Define(kept_step, a.step, True),
-                        Assign(a.degree, b.degree),
-                        Assign(a.step, b.step),
-                        Assign(b.degree, kept),
-                        Assign(b.step, kept_step),
-                    ),
-                )
-            )
+    """Leave the largest minor first."""
+    for i, j in NETWORKS[len(minors)]:
+        a, b = minors[i], minors[j]
+        kept = Local(scope.name("kept"), "uint16", 0, HALF_DEGREE)
+        kept_step = Local(scope.name("kept_step"), "int32", a.step.lo, a.step.hi)
+        swap = (
+            Define(kept, a.degree, True),
+            Define(kept_step, a.step, True),
+            Assign(a.degree, b.degree),
+            Assign(a.step, b.step),
+            Assign(b.degree, kept),
+            Assign(b.step, kept_step),
+        )
+        body.append(Branch(build.compare("<", a.degree, b.degree), swap))

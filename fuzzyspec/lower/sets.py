@@ -125,7 +125,7 @@ def evaluate(form: ClippedSet, scale: Scale, height: Local, scope: Scope, name: 
     pieces = integer_pieces(form, scale)
     top = math.floor(form.height * DEGREE_ONE)
     draft, area, moment = _draft(pieces, top, height, Scope(set(scope.taken)), name, None)
-    areas, moments = _all_heights(draft, area, moment, height)
+    areas, moments = all_heights(draft, area, moment, height)
     hi = (int(areas.max()), int(moments.max()))
     steps, area, moment = _draft(pieces, top, height, scope, name, hi)
     exact_area, exact_moment = closed_form(form)
@@ -179,9 +179,10 @@ def _draft(
     return body + list(chain), area, moment
 
 
-def _all_heights(
+def all_heights(
     body: list[Stmt], area: Local, moment: Local | None, height: Local
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Area and moment that statements over ``height`` give at every clip height: (2**15 + 1,) each."""
     outputs = [Port("area", "uint32", 0, build.UINT32_MAX, None), Port("moment", "uint32", 0, build.UINT32_MAX, None)]
     steps: list[Stmt] = [Define(height, ReadPort("c", "uint16", 0, DEGREE_ONE), True), *body, SetOutput("area", area)]
     if moment is not None:

@@ -161,8 +161,8 @@ class Lowering:
         self.may_saturate(variable, bit, variable.name)
         low, high = build.LIMITS[variable.raw.ctype]
         given = ReadPort(variable.name, variable.raw.ctype, low, high)
-        steps, raw = saturated(variable, given, variable.name, bit, self.scope)
-        self.body += steps
+        steps, raw, told = saturated(variable, given, variable.name, bit, self.scope)
+        self.body += steps + told
         self.known["input", variable.name] = read(variable, raw)
 
     def waiting(self, list_: str, position: int) -> list[m.Fold]:
@@ -197,8 +197,8 @@ class Lowering:
             low, high = build.LIMITS[f.raw.ctype]
             given = ReadField(list_, f.name, f.raw.ctype, low, high)
             bit = f"SATURATED_{list_.upper()}_{f.name.upper()}"
-            steps, raw = saturated(f, given, f.name, bit, self.scope)
-            self.body += steps
+            steps, raw, told = saturated(f, given, f.name, bit, self.scope)
+            self.body += steps + told
             self.element["field", f.name] = read(f, raw)
         for loop in self.loops:
             if loop.list != list_ or not bodies:

@@ -16,9 +16,11 @@
 #include <avr/pgmspace.h>
 #define NAV_TABLE PROGMEM
 #define NAV_READ_U8(table, index) ((uint8_t)pgm_read_byte(&(table)[(index)]))
+#define NAV_READ_U16(table, index) ((uint16_t)pgm_read_word(&(table)[(index)]))
 #else
 #define NAV_TABLE
 #define NAV_READ_U8(table, index) ((table)[(index)])
+#define NAV_READ_U16(table, index) ((table)[(index)])
 #endif
 
 /* 2^21 / top at the middle of each 512 numbers from top = 2^13 up. */
@@ -118,8 +120,13 @@ static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
     return digits;
 }
 
-static const uint8_t nav_danger_ddc_rules[9] NAV_TABLE = {
-    2U, 2U, 2U, 2U, 1U, 1U, 2U, 1U, 0U
+static const uint8_t nav_danger_rules[9] NAV_TABLE = {
+    4U, 4U, 4U, 4U, 2U, 2U, 4U, 2U, 1U
+};
+
+static const uint8_t nav_danger_ddc_covers[32] NAV_TABLE = {
+    0U, 0U, 0U, 0U, 2U, 2U, 0U, 0U, 2U, 2U, 4U, 4U, 3U, 2U, 3U, 2U, 2U, 2U, 8U, 8U, 4U, 4U, 8U,
+    8U, 3U, 2U, 9U, 6U, 4U, 2U, 8U, 4U
 };
 
 nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
@@ -127,12 +134,9 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     nav_status_t status = NAV_OK;
 
     /* eta_t: degrees of TS, TM, TB */
-    uint32_t eta_t = in->eta_t;
-    if (eta_t > 49152U) {
-        eta_t = 49152U;
-        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_T);
-    }
-
+    const uint32_t eta_t_raw = in->eta_t;
+    const uint32_t eta_t_over = (eta_t_raw > 49152U) ? (eta_t_raw - 49152U) : 0U;
+    const uint32_t eta_t = eta_t_raw - eta_t_over;
     uint32_t eta_t_d = 0U;
     uint32_t eta_t_term = 0U;
     if (eta_t < 24576U) {
@@ -145,12 +149,9 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     }
 
     /* eta_d: degrees of DS, DM, DB */
-    uint32_t eta_d = in->eta_d;
-    if (eta_d > 32768U) {
-        eta_d = 32768U;
-        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_D);
-    }
-
+    const uint32_t eta_d_raw = in->eta_d;
+    const uint32_t eta_d_over = (eta_d_raw > 32768U) ? (eta_d_raw - 32768U) : 0U;
+    const uint32_t eta_d = eta_d_raw - eta_d_over;
     uint32_t eta_d_d = 0U;
     uint32_t eta_d_term = 0U;
     if (eta_d < 16384U) {
@@ -162,101 +163,82 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         eta_d_d = eta_d_u * 2U;
     }
 
-    uint16_t ddc_level[3];
-    for (uint32_t k = 0U; k < 3U; ++k) {
-        ddc_level[k] = 0U;
-    }
-
     /* rules: the cell of the larger degrees, and how each smaller degree leaves it */
-    uint32_t eta_t_minor = 0U;
-    int32_t eta_t_step = 3;
-    uint32_t eta_t_at = eta_t_term * 3U;
+    uint32_t cell = (eta_t_term * 3U) + eta_d_term;
+    uint32_t eta_t_key = 0U;
     if (eta_t_d > 16384U) {
-        eta_t_minor = 32768U - eta_t_d;
-        eta_t_step = -3;
-        eta_t_at = (eta_t_term * 3U) + 3U;
+        eta_t_key = (32768U - eta_t_d) * 65536U;
+        cell = cell + 3U;
     } else {
-        eta_t_minor = eta_t_d;
+        eta_t_key = (eta_t_d * 65536U) + 6U;
     }
 
-    const uint32_t cell = eta_t_at;
-    uint32_t eta_d_minor = 0U;
-    int32_t eta_d_step = 1;
-    uint32_t eta_d_at = eta_d_term;
+    uint32_t eta_d_key = 0U;
     if (eta_d_d > 16384U) {
-        eta_d_minor = 32768U - eta_d_d;
-        eta_d_step = -1;
-        eta_d_at = eta_d_term + 1U;
+        eta_d_key = ((32768U - eta_d_d) * 65536U) + 2U;
+        cell = cell + 1U;
     } else {
-        eta_d_minor = eta_d_d;
+        eta_d_key = (eta_d_d * 65536U) + 4U;
+    }
+    if (eta_t_key < eta_d_key) {
+        const uint32_t kept = eta_t_key;
+        eta_t_key = eta_d_key;
+        eta_d_key = kept;
     }
 
-    const uint32_t cell_2 = cell + eta_d_at;
-    if (eta_t_minor < eta_d_minor) {
-        const uint32_t kept = eta_t_minor;
-        const int32_t kept_step = eta_t_step;
-        eta_t_minor = eta_d_minor;
-        eta_t_step = eta_d_step;
-        eta_d_minor = kept;
-        eta_d_step = kept_step;
+    const uint32_t minor = eta_t_key >> 16U;
+    const int32_t step = (int32_t)(eta_t_key & 65535U) - 3;
+    const uint32_t minor_2 = eta_d_key >> 16U;
+    const int32_t step_2 = (int32_t)(eta_d_key & 65535U) - 3;
+    const uint32_t majors = 32768U - minor;
+
+    /* terms by levels, the strongest first: what they cover between one level and the next */
+    uint32_t ddc_area = 8U;
+    uint32_t ddc_moment = 8388616U;
+    const uint32_t terms = NAV_READ_U8(nav_danger_rules, cell);
+    const uint32_t level_square = (majors * majors) >> 8U;
+    uint32_t seen = terms;
+    const uint32_t cell_2 = (uint32_t)((int32_t)cell + step);
+    const uint32_t terms_2 = NAV_READ_U8(nav_danger_rules, cell_2);
+    const uint32_t level_square_2 = (minor * minor) >> 8U;
+    const uint32_t drop = (majors - minor) << 8U;
+    const uint32_t drop_square = level_square - level_square_2;
+    const uint32_t ddc_row = seen * 4U;
+    ddc_area = ddc_area + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row) * drop)
+        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row + 1U) * drop_square);
+    ddc_moment = ddc_moment + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row + 2U) * drop)
+        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row + 3U) * drop_square);
+    seen = seen | terms_2;
+    const uint32_t cell_3 = (uint32_t)((int32_t)cell + step_2);
+    const uint32_t cell_4 = (uint32_t)((int32_t)cell_2 + step_2);
+    const uint32_t terms_3 = (uint32_t)NAV_READ_U8(nav_danger_rules,
+        cell_3) | NAV_READ_U8(nav_danger_rules, cell_4);
+    const uint32_t level_square_3 = (minor_2 * minor_2) >> 8U;
+    const uint32_t drop_2 = (minor - minor_2) << 8U;
+    const uint32_t drop_square_2 = level_square_2 - level_square_3;
+    const uint32_t ddc_row_2 = seen * 4U;
+    ddc_area = ddc_area + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_2) * drop_2)
+        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_2 + 1U) * drop_square_2);
+    ddc_moment = ddc_moment + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_2 + 2U) * drop_2)
+        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_2 + 3U) * drop_square_2);
+    seen = seen | terms_3;
+    const uint32_t drop_3 = minor_2 << 8U;
+    const uint32_t drop_square_3 = level_square_3;
+    const uint32_t ddc_row_3 = seen * 4U;
+    ddc_area = ddc_area + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_3) * drop_3)
+        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_3 + 1U) * drop_square_3);
+    ddc_moment = ddc_moment + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_3 + 2U) * drop_3)
+        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_3 + 3U) * drop_square_3);
+    if (eta_t_over != 0U) {
+        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_T);
+    }
+    if (eta_d_over != 0U) {
+        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_D);
     }
 
-    const uint32_t majors = 32768U - eta_t_minor;
-    const uint32_t cell_3 = (uint32_t)((int32_t)cell_2 + eta_t_step);
-    const uint32_t cell_4 = (uint32_t)((int32_t)cell_2 + eta_d_step);
-    const uint32_t cell_5 = (uint32_t)((int32_t)cell_3 + eta_d_step);
-    const uint32_t ddc_term = NAV_READ_U8(nav_danger_ddc_rules, cell_2);
-    if (majors > ddc_level[ddc_term]) {
-        ddc_level[ddc_term] = (uint16_t)majors;
-    }
-    if (eta_t_minor > 0U) {
-        const uint32_t ddc_term_2 = NAV_READ_U8(nav_danger_ddc_rules, cell_3);
-        if (eta_t_minor > ddc_level[ddc_term_2]) {
-            ddc_level[ddc_term_2] = (uint16_t)eta_t_minor;
-        }
-    }
-    if (eta_d_minor > 0U) {
-        const uint32_t ddc_term_3 = NAV_READ_U8(nav_danger_ddc_rules, cell_4);
-        if (eta_d_minor > ddc_level[ddc_term_3]) {
-            ddc_level[ddc_term_3] = (uint16_t)eta_d_minor;
-        }
-        const uint32_t ddc_term_4 = NAV_READ_U8(nav_danger_ddc_rules, cell_5);
-        if (eta_d_minor > ddc_level[ddc_term_4]) {
-            ddc_level[ddc_term_4] = (uint16_t)eta_d_minor;
-        }
-    }
-
-    /* centroid of ddc: area and moment of the union of the clipped terms */
-    uint32_t ddc_area = 0U;
-    uint32_t ddc_moment = 0U;
-    uint32_t ddc_overlap = 0U;
-    uint32_t ddc_moment_off = 0U;
-    for (uint32_t k_2 = 0U; k_2 < 3U; ++k_2) {
-        const uint32_t ddc_h = ddc_level[k_2];
-        if (ddc_h > 0U) {
-            const uint32_t ddc_width = 65536U - ddc_h;
-            const uint32_t ddc_part = ((ddc_h * ddc_width) + 512U) >> 10U;
-            ddc_area = ddc_area + ddc_part;
-            ddc_moment = ddc_moment + (ddc_part * (k_2 * 2U));
-        }
-    }
-    for (uint32_t k_3 = 0U; k_3 < 2U; ++k_3) {
-        uint32_t ddc_h_2 = ddc_level[k_3];
-        const uint32_t ddc_h_3 = ddc_level[k_3 + 1U];
-        if (ddc_h_3 < ddc_h_2) {
-            ddc_h_2 = ddc_h_3;
-        }
-        if (ddc_h_2 > 0U) {
-            const uint32_t ddc_c = (ddc_h_2 < 16384U) ? ddc_h_2 : 16384U;
-            const uint32_t ddc_width_2 = 65536U - (ddc_c * 2U);
-            const uint32_t ddc_part_2 = ((ddc_c * ddc_width_2) + 1024U) >> 11U;
-            ddc_overlap = ddc_overlap + ddc_part_2;
-            ddc_moment_off = ddc_moment_off + (ddc_part_2 * ((k_3 * 2U) + 1U));
-        }
-    }
-
-    const uint32_t ddc_m = (ddc_moment > ddc_moment_off) ? (ddc_moment - ddc_moment_off) : 0U;
-    const uint32_t ddc_a = (ddc_area > ddc_overlap) ? (ddc_area - ddc_overlap) : 0U;
+    /* centroid of ddc */
+    const uint32_t ddc_a = ddc_area >> 4U;
+    const uint32_t ddc_m = (ddc_moment - 8388608U) >> 4U;
     const uint32_t ddc_t = nav_quotient_2(ddc_m, ddc_a * 4U);
     const uint32_t ddc_steps = ((ddc_t * 32768U) + 49152U) >> 16U;
     out->ddc = (uint16_t)ddc_steps;
@@ -264,18 +246,14 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     return status;
 }
 
-static const uint8_t nav_velocity_v_rules[81] NAV_TABLE = {
-    3U, 4U, 3U, 3U, 3U, 2U, 3U, 3U, 1U, 2U, 2U, 2U, 2U, 2U, 2U, 2U, 2U, 1U, 1U, 1U, 1U, 1U, 1U,
-    2U, 0U, 1U, 1U, 2U, 3U, 3U, 2U, 2U, 2U, 2U, 1U, 1U, 2U, 2U, 2U, 2U, 2U, 2U, 2U, 2U, 1U, 2U,
-    1U, 1U, 2U, 1U, 2U, 2U, 1U, 1U, 1U, 3U, 3U, 1U, 1U, 2U, 1U, 1U, 1U, 1U, 2U, 2U, 1U, 2U, 2U,
-    1U, 2U, 1U, 1U, 1U, 0U, 1U, 1U, 2U, 1U, 1U, 1U
-};
-
-static const uint8_t nav_velocity_w_rules[81] NAV_TABLE = {
-    1U, 3U, 5U, 1U, 3U, 2U, 1U, 3U, 0U, 2U, 2U, 4U, 1U, 2U, 2U, 1U, 2U, 0U, 1U, 0U, 5U, 1U, 0U,
-    2U, 0U, 0U, 0U, 4U, 3U, 5U, 4U, 3U, 2U, 4U, 3U, 0U, 4U, 2U, 5U, 4U, 2U, 2U, 4U, 2U, 0U, 4U,
-    0U, 5U, 4U, 0U, 2U, 4U, 0U, 0U, 6U, 3U, 5U, 6U, 3U, 2U, 6U, 3U, 0U, 6U, 2U, 5U, 6U, 2U, 2U,
-    6U, 2U, 0U, 6U, 0U, 6U, 6U, 0U, 2U, 6U, 0U, 0U
+static const uint16_t nav_velocity_rules[81] NAV_TABLE = {
+    520U, 2064U, 8200U, 520U, 2056U, 1028U, 520U, 2056U, 258U, 1028U, 1028U, 4100U, 516U, 1028U,
+    1028U, 516U, 1028U, 258U, 514U, 258U, 8194U, 514U, 258U, 1028U, 257U, 258U, 258U, 4100U,
+    2056U, 8200U, 4100U, 2052U, 1028U, 4100U, 2050U, 258U, 4100U, 1028U, 8196U, 4100U, 1028U,
+    1028U, 4100U, 1028U, 258U, 4100U, 258U, 8194U, 4100U, 258U, 1028U, 4100U, 258U, 258U,
+    16386U, 2056U, 8200U, 16386U, 2050U, 1028U, 16386U, 2050U, 258U, 16386U, 1028U, 8196U,
+    16386U, 1028U, 1028U, 16386U, 1028U, 258U, 16386U, 258U, 16385U, 16386U, 258U, 1028U,
+    16386U, 258U, 258U
 };
 
 static const uint8_t nav_velocity_owners[81] NAV_TABLE = {
@@ -285,17 +263,53 @@ static const uint8_t nav_velocity_owners[81] NAV_TABLE = {
     1U, 1U, 1U, 1U, 1U, 2U, 1U, 1U, 1U, 1U, 1U, 1U
 };
 
+static const uint8_t nav_velocity_v_covers[128] NAV_TABLE = {
+    0U, 0U, 0U, 0U, 2U, 2U, 0U, 0U, 2U, 2U, 4U, 4U, 3U, 2U, 3U, 2U, 2U, 2U, 8U, 8U, 4U, 4U, 8U,
+    8U, 3U, 2U, 9U, 6U, 4U, 2U, 8U, 4U, 2U, 2U, 12U, 12U, 4U, 4U, 12U, 12U, 4U, 4U, 16U, 16U,
+    5U, 4U, 15U, 14U, 3U, 2U, 15U, 10U, 5U, 4U, 15U, 10U, 4U, 2U, 16U, 8U, 5U, 2U, 15U, 6U, 2U,
+    2U, 16U, 16U, 4U, 4U, 16U, 16U, 4U, 4U, 20U, 20U, 5U, 4U, 19U, 18U, 4U, 4U, 24U, 24U, 6U,
+    6U, 24U, 24U, 5U, 4U, 25U, 22U, 6U, 4U, 24U, 20U, 3U, 2U, 21U, 14U, 5U, 4U, 21U, 14U, 5U,
+    4U, 25U, 18U, 6U, 4U, 24U, 16U, 4U, 2U, 24U, 12U, 6U, 4U, 24U, 12U, 5U, 2U, 25U, 10U, 6U,
+    2U, 24U, 8U
+};
+
+static const uint8_t nav_velocity_w_covers[512] NAV_TABLE = {
+    0U, 0U, 0U, 0U, 2U, 2U, 0U, 0U, 2U, 2U, 4U, 4U, 3U, 2U, 3U, 2U, 2U, 2U, 8U, 8U, 4U, 4U, 8U,
+    8U, 3U, 2U, 9U, 6U, 4U, 2U, 8U, 4U, 2U, 2U, 12U, 12U, 4U, 4U, 12U, 12U, 4U, 4U, 16U, 16U,
+    5U, 4U, 15U, 14U, 3U, 2U, 15U, 10U, 5U, 4U, 15U, 10U, 4U, 2U, 16U, 8U, 5U, 2U, 15U, 6U, 2U,
+    2U, 16U, 16U, 4U, 4U, 16U, 16U, 4U, 4U, 20U, 20U, 5U, 4U, 19U, 18U, 4U, 4U, 24U, 24U, 6U,
+    6U, 24U, 24U, 5U, 4U, 25U, 22U, 6U, 4U, 24U, 20U, 3U, 2U, 21U, 14U, 5U, 4U, 21U, 14U, 5U,
+    4U, 25U, 18U, 6U, 4U, 24U, 16U, 4U, 2U, 24U, 12U, 6U, 4U, 24U, 12U, 5U, 2U, 25U, 10U, 6U,
+    2U, 24U, 8U, 2U, 2U, 20U, 20U, 4U, 4U, 20U, 20U, 4U, 4U, 24U, 24U, 5U, 4U, 23U, 22U, 4U, 4U,
+    28U, 28U, 6U, 6U, 28U, 28U, 5U, 4U, 29U, 26U, 6U, 4U, 28U, 24U, 4U, 4U, 32U, 32U, 6U, 6U,
+    32U, 32U, 6U, 6U, 36U, 36U, 7U, 6U, 35U, 34U, 5U, 4U, 35U, 30U, 7U, 6U, 35U, 30U, 6U, 4U,
+    36U, 28U, 7U, 4U, 35U, 26U, 3U, 2U, 27U, 18U, 5U, 4U, 27U, 18U, 5U, 4U, 31U, 22U, 6U, 4U,
+    30U, 20U, 5U, 4U, 35U, 26U, 7U, 6U, 35U, 26U, 6U, 4U, 36U, 24U, 7U, 4U, 35U, 22U, 4U, 2U,
+    32U, 16U, 6U, 4U, 32U, 16U, 6U, 4U, 36U, 20U, 7U, 4U, 35U, 18U, 5U, 2U, 35U, 14U, 7U, 4U,
+    35U, 14U, 6U, 2U, 36U, 12U, 7U, 2U, 35U, 10U, 2U, 2U, 24U, 24U, 4U, 4U, 24U, 24U, 4U, 4U,
+    28U, 28U, 5U, 4U, 27U, 26U, 4U, 4U, 32U, 32U, 6U, 6U, 32U, 32U, 5U, 4U, 33U, 30U, 6U, 4U,
+    32U, 28U, 4U, 4U, 36U, 36U, 6U, 6U, 36U, 36U, 6U, 6U, 40U, 40U, 7U, 6U, 39U, 38U, 5U, 4U,
+    39U, 34U, 7U, 6U, 39U, 34U, 6U, 4U, 40U, 32U, 7U, 4U, 39U, 30U, 4U, 4U, 40U, 40U, 6U, 6U,
+    40U, 40U, 6U, 6U, 44U, 44U, 7U, 6U, 43U, 42U, 6U, 6U, 48U, 48U, 8U, 8U, 48U, 48U, 7U, 6U,
+    49U, 46U, 8U, 6U, 48U, 44U, 5U, 4U, 45U, 38U, 7U, 6U, 45U, 38U, 7U, 6U, 49U, 42U, 8U, 6U,
+    48U, 40U, 6U, 4U, 48U, 36U, 8U, 6U, 48U, 36U, 7U, 4U, 49U, 34U, 8U, 4U, 48U, 32U, 3U, 2U,
+    33U, 22U, 5U, 4U, 33U, 22U, 5U, 4U, 37U, 26U, 6U, 4U, 36U, 24U, 5U, 4U, 41U, 30U, 7U, 6U,
+    41U, 30U, 6U, 4U, 42U, 28U, 7U, 4U, 41U, 26U, 5U, 4U, 45U, 34U, 7U, 6U, 45U, 34U, 7U, 6U,
+    49U, 38U, 8U, 6U, 48U, 36U, 6U, 4U, 48U, 32U, 8U, 6U, 48U, 32U, 7U, 4U, 49U, 30U, 8U, 4U,
+    48U, 28U, 4U, 2U, 40U, 20U, 6U, 4U, 40U, 20U, 6U, 4U, 44U, 24U, 7U, 4U, 43U, 22U, 6U, 4U,
+    48U, 28U, 8U, 6U, 48U, 28U, 7U, 4U, 49U, 26U, 8U, 4U, 48U, 24U, 5U, 2U, 45U, 18U, 7U, 4U,
+    45U, 18U, 7U, 4U, 49U, 22U, 8U, 4U, 48U, 20U, 6U, 2U, 48U, 16U, 8U, 4U, 48U, 16U, 7U, 2U,
+    49U, 14U, 8U, 2U, 48U, 12U
+};
+
 nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t *out)
 {
     nav_status_t status = NAV_OK;
 
     /* left: degrees of S, M, B */
-    uint32_t left = in->left;
-    if (left > 32768U) {
-        left = 32768U;
-        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_LEFT);
-    }
-
+    const uint32_t left_raw = in->left;
+    const uint32_t left_over = (left_raw > 32768U) ? (left_raw - 32768U) : 0U;
+    const uint32_t left = left_raw - left_over;
     uint32_t left_d = 0U;
     uint32_t left_term = 0U;
     if (left < 16384U) {
@@ -308,12 +322,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     /* front: degrees of S, M, B */
-    uint32_t front = in->front;
-    if (front > 32768U) {
-        front = 32768U;
-        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_FRONT);
-    }
-
+    const uint32_t front_raw = in->front;
+    const uint32_t front_over = (front_raw > 32768U) ? (front_raw - 32768U) : 0U;
+    const uint32_t front = front_raw - front_over;
     uint32_t front_d = 0U;
     uint32_t front_term = 0U;
     if (front < 16384U) {
@@ -326,12 +337,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     /* right: degrees of S, M, B */
-    uint32_t right = in->right;
-    if (right > 32768U) {
-        right = 32768U;
-        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_RIGHT);
-    }
-
+    const uint32_t right_raw = in->right;
+    const uint32_t right_over = (right_raw > 32768U) ? (right_raw - 32768U) : 0U;
+    const uint32_t right = right_raw - right_over;
     uint32_t right_d = 0U;
     uint32_t right_term = 0U;
     if (right < 16384U) {
@@ -344,16 +352,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     /* target: degrees of L, C, R */
-    int32_t target = in->target;
-    if (target < -23040) {
-        target = -23040;
-        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_TARGET);
-    }
-    if (target > 23040) {
-        target = 23040;
-        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_TARGET);
-    }
-
+    const int32_t target_raw = in->target;
+    const int32_t target_risen = (target_raw > -23040) ? target_raw : (-23040);
+    const int32_t target = (target_risen < 23040) ? target_risen : 23040;
     const uint32_t target_at = (uint32_t)(target + 23040);
     uint32_t target_d = 0U;
     uint32_t target_term = 0U;
@@ -366,436 +367,294 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         target_d = ((target_u * 93207U) + 29952U) >> 16U;
     }
 
-    uint16_t v_level[5];
-    for (uint32_t k = 0U; k < 5U; ++k) {
-        v_level[k] = 0U;
-    }
-
-    uint16_t w_level[7];
-    for (uint32_t k_2 = 0U; k_2 < 7U; ++k_2) {
-        w_level[k_2] = 0U;
-    }
-
     /* rules: the cell of the larger degrees, and how each smaller degree leaves it */
-    uint32_t left_minor = 0U;
-    int32_t left_step = 27;
-    uint32_t left_at = left_term * 27U;
+    uint32_t cell = (left_term * 27U) + (front_term * 9U) + (right_term * 3U) + target_term;
+    uint32_t left_key = 0U;
     if (left_d > 16384U) {
-        left_minor = 32768U - left_d;
-        left_step = -27;
-        left_at = (left_term * 27U) + 27U;
+        left_key = (32768U - left_d) * 65536U;
+        cell = cell + 27U;
     } else {
-        left_minor = left_d;
+        left_key = (left_d * 65536U) + 54U;
     }
 
-    const uint32_t cell = left_at;
-    uint32_t front_minor = 0U;
-    int32_t front_step = 9;
-    uint32_t front_at = front_term * 9U;
+    uint32_t front_key = 0U;
     if (front_d > 16384U) {
-        front_minor = 32768U - front_d;
-        front_step = -9;
-        front_at = (front_term * 9U) + 9U;
+        front_key = ((32768U - front_d) * 65536U) + 18U;
+        cell = cell + 9U;
     } else {
-        front_minor = front_d;
+        front_key = (front_d * 65536U) + 36U;
     }
 
-    const uint32_t cell_2 = cell + front_at;
-    uint32_t right_minor = 0U;
-    int32_t right_step = 3;
-    uint32_t right_at = right_term * 3U;
+    uint32_t right_key = 0U;
     if (right_d > 16384U) {
-        right_minor = 32768U - right_d;
-        right_step = -3;
-        right_at = (right_term * 3U) + 3U;
+        right_key = ((32768U - right_d) * 65536U) + 24U;
+        cell = cell + 3U;
     } else {
-        right_minor = right_d;
+        right_key = (right_d * 65536U) + 30U;
     }
 
-    const uint32_t cell_3 = cell_2 + right_at;
-    uint32_t target_minor = 0U;
-    int32_t target_step = 1;
-    uint32_t target_at_2 = target_term;
+    uint32_t target_key = 0U;
     if (target_d > 16384U) {
-        target_minor = 32768U - target_d;
-        target_step = -1;
-        target_at_2 = target_term + 1U;
+        target_key = ((32768U - target_d) * 65536U) + 26U;
+        cell = cell + 1U;
     } else {
-        target_minor = target_d;
+        target_key = (target_d * 65536U) + 28U;
+    }
+    if (left_key < right_key) {
+        const uint32_t kept = left_key;
+        left_key = right_key;
+        right_key = kept;
+    }
+    if (front_key < target_key) {
+        const uint32_t kept_2 = front_key;
+        front_key = target_key;
+        target_key = kept_2;
+    }
+    if (left_key < front_key) {
+        const uint32_t kept_3 = left_key;
+        left_key = front_key;
+        front_key = kept_3;
+    }
+    if (right_key < target_key) {
+        const uint32_t kept_4 = right_key;
+        right_key = target_key;
+        target_key = kept_4;
+    }
+    if (front_key < right_key) {
+        const uint32_t kept_5 = front_key;
+        front_key = right_key;
+        right_key = kept_5;
     }
 
-    const uint32_t cell_4 = cell_3 + target_at_2;
-    if (left_minor < front_minor) {
-        const uint32_t kept = left_minor;
-        const int32_t kept_step = left_step;
-        left_minor = front_minor;
-        left_step = front_step;
-        front_minor = kept;
-        front_step = kept_step;
-    }
-    if (front_minor < right_minor) {
-        const uint32_t kept_2 = front_minor;
-        const int32_t kept_step_2 = front_step;
-        front_minor = right_minor;
-        front_step = right_step;
-        right_minor = kept_2;
-        right_step = kept_step_2;
-    }
-    if (right_minor < target_minor) {
-        const uint32_t kept_3 = right_minor;
-        const int32_t kept_step_3 = right_step;
-        right_minor = target_minor;
-        right_step = target_step;
-        target_minor = kept_3;
-        target_step = kept_step_3;
-    }
-    if (left_minor < front_minor) {
-        const uint32_t kept_4 = left_minor;
-        const int32_t kept_step_4 = left_step;
-        left_minor = front_minor;
-        left_step = front_step;
-        front_minor = kept_4;
-        front_step = kept_step_4;
-    }
-    if (front_minor < right_minor) {
-        const uint32_t kept_5 = front_minor;
-        const int32_t kept_step_5 = front_step;
-        front_minor = right_minor;
-        front_step = right_step;
-        right_minor = kept_5;
-        right_step = kept_step_5;
-    }
-    if (left_minor < front_minor) {
-        const uint32_t kept_6 = left_minor;
-        const int32_t kept_step_6 = left_step;
-        left_minor = front_minor;
-        left_step = front_step;
-        front_minor = kept_6;
-        front_step = kept_step_6;
-    }
-
+    const uint32_t minor = left_key >> 16U;
+    const int32_t step = (int32_t)(left_key & 65535U) - 27;
+    const uint32_t minor_2 = front_key >> 16U;
+    const int32_t step_2 = (int32_t)(front_key & 65535U) - 27;
+    const uint32_t minor_3 = right_key >> 16U;
+    const int32_t step_3 = (int32_t)(right_key & 65535U) - 27;
+    const uint32_t minor_4 = target_key >> 16U;
+    const int32_t step_4 = (int32_t)(target_key & 65535U) - 27;
     uint32_t acting = 0U;
     uint32_t strongest = 0U;
-    const uint32_t majors = 32768U - left_minor;
-    const uint32_t cell_5 = (uint32_t)((int32_t)cell_4 + left_step);
-    const uint32_t cell_6 = (uint32_t)((int32_t)cell_4 + front_step);
-    const uint32_t cell_7 = (uint32_t)((int32_t)cell_5 + front_step);
-    const uint32_t cell_8 = (uint32_t)((int32_t)cell_4 + right_step);
-    const uint32_t cell_9 = (uint32_t)((int32_t)cell_5 + right_step);
-    const uint32_t cell_10 = (uint32_t)((int32_t)cell_6 + right_step);
-    const uint32_t cell_11 = (uint32_t)((int32_t)cell_7 + right_step);
-    const uint32_t cell_12 = (uint32_t)((int32_t)cell_4 + target_step);
-    const uint32_t cell_13 = (uint32_t)((int32_t)cell_5 + target_step);
-    const uint32_t cell_14 = (uint32_t)((int32_t)cell_6 + target_step);
-    const uint32_t cell_15 = (uint32_t)((int32_t)cell_7 + target_step);
-    const uint32_t cell_16 = (uint32_t)((int32_t)cell_8 + target_step);
-    const uint32_t cell_17 = (uint32_t)((int32_t)cell_9 + target_step);
-    const uint32_t cell_18 = (uint32_t)((int32_t)cell_10 + target_step);
-    const uint32_t cell_19 = (uint32_t)((int32_t)cell_11 + target_step);
-    const uint32_t v_term = NAV_READ_U8(nav_velocity_v_rules, cell_4);
-    if (majors > v_level[v_term]) {
-        v_level[v_term] = (uint16_t)majors;
-    }
+    const uint32_t majors = 32768U - minor;
 
-    const uint32_t w_term = NAV_READ_U8(nav_velocity_w_rules, cell_4);
-    if (majors > w_level[w_term]) {
-        w_level[w_term] = (uint16_t)majors;
-    }
-
-    const uint32_t owner = NAV_READ_U8(nav_velocity_owners, cell_4);
+    /* terms by levels, the strongest first: what they cover between one level and the next */
+    uint32_t v_area = 16U;
+    uint32_t v_moment = 8388624U;
+    uint32_t w_area = 32U;
+    uint32_t w_moment = 8388640U;
+    const uint32_t terms = NAV_READ_U16(nav_velocity_rules, cell);
+    const uint32_t level_square = (majors * majors) >> 8U;
+    uint32_t seen = terms;
+    const uint32_t cell_2 = (uint32_t)((int32_t)cell + step);
+    const uint32_t terms_2 = NAV_READ_U16(nav_velocity_rules, cell_2);
+    const uint32_t level_square_2 = (minor * minor) >> 8U;
+    const uint32_t drop = (majors - minor) << 8U;
+    const uint32_t drop_square = level_square - level_square_2;
+    const uint32_t v_row = (seen & 255U) * 4U;
+    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row) * drop)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row + 1U) * drop_square);
+    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row + 2U) * drop)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row + 3U) * drop_square);
+    const uint32_t w_row = (seen >> 8U) * 4U;
+    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row) * drop)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row + 1U) * drop_square);
+    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row + 2U) * drop)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row + 3U) * drop_square);
+    seen = seen | terms_2;
+    const uint32_t cell_3 = (uint32_t)((int32_t)cell + step_2);
+    const uint32_t cell_4 = (uint32_t)((int32_t)cell_2 + step_2);
+    const uint32_t terms_3 = (uint32_t)NAV_READ_U16(nav_velocity_rules,
+        cell_3) | NAV_READ_U16(nav_velocity_rules, cell_4);
+    const uint32_t level_square_3 = (minor_2 * minor_2) >> 8U;
+    const uint32_t drop_2 = (minor - minor_2) << 8U;
+    const uint32_t drop_square_2 = level_square_2 - level_square_3;
+    const uint32_t v_row_2 = (seen & 255U) * 4U;
+    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_2) * drop_2)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 1U) * drop_square_2);
+    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 2U) * drop_2)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 3U) * drop_square_2);
+    const uint32_t w_row_2 = (seen >> 8U) * 4U;
+    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_2) * drop_2)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 1U) * drop_square_2);
+    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 2U) * drop_2)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 3U) * drop_square_2);
+    seen = seen | terms_3;
+    const uint32_t cell_5 = (uint32_t)((int32_t)cell + step_3);
+    const uint32_t cell_6 = (uint32_t)((int32_t)cell_2 + step_3);
+    const uint32_t cell_7 = (uint32_t)((int32_t)cell_3 + step_3);
+    const uint32_t cell_8 = (uint32_t)((int32_t)cell_4 + step_3);
+    const uint32_t terms_4 = (((uint32_t)NAV_READ_U16(nav_velocity_rules,
+        cell_5) | NAV_READ_U16(nav_velocity_rules, cell_6)) | NAV_READ_U16(nav_velocity_rules,
+        cell_7)) | NAV_READ_U16(nav_velocity_rules, cell_8);
+    const uint32_t level_square_4 = (minor_3 * minor_3) >> 8U;
+    const uint32_t drop_3 = (minor_2 - minor_3) << 8U;
+    const uint32_t drop_square_3 = level_square_3 - level_square_4;
+    const uint32_t v_row_3 = (seen & 255U) * 4U;
+    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_3) * drop_3)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 1U) * drop_square_3);
+    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 2U) * drop_3)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 3U) * drop_square_3);
+    const uint32_t w_row_3 = (seen >> 8U) * 4U;
+    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_3) * drop_3)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 1U) * drop_square_3);
+    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 2U) * drop_3)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 3U) * drop_square_3);
+    seen = seen | terms_4;
+    const uint32_t cell_9 = (uint32_t)((int32_t)cell + step_4);
+    const uint32_t cell_10 = (uint32_t)((int32_t)cell_2 + step_4);
+    const uint32_t cell_11 = (uint32_t)((int32_t)cell_3 + step_4);
+    const uint32_t cell_12 = (uint32_t)((int32_t)cell_4 + step_4);
+    const uint32_t cell_13 = (uint32_t)((int32_t)cell_5 + step_4);
+    const uint32_t cell_14 = (uint32_t)((int32_t)cell_6 + step_4);
+    const uint32_t cell_15 = (uint32_t)((int32_t)cell_7 + step_4);
+    const uint32_t cell_16 = (uint32_t)((int32_t)cell_8 + step_4);
+    const uint32_t terms_5 = (((((((uint32_t)NAV_READ_U16(nav_velocity_rules,
+        cell_9) | NAV_READ_U16(nav_velocity_rules, cell_10)) | NAV_READ_U16(nav_velocity_rules,
+        cell_11)) | NAV_READ_U16(nav_velocity_rules, cell_12)) | NAV_READ_U16(nav_velocity_rules,
+        cell_13)) | NAV_READ_U16(nav_velocity_rules, cell_14)) | NAV_READ_U16(nav_velocity_rules,
+        cell_15)) | NAV_READ_U16(nav_velocity_rules, cell_16);
+    const uint32_t level_square_5 = (minor_4 * minor_4) >> 8U;
+    const uint32_t drop_4 = (minor_3 - minor_4) << 8U;
+    const uint32_t drop_square_4 = level_square_4 - level_square_5;
+    const uint32_t v_row_4 = (seen & 255U) * 4U;
+    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_4) * drop_4)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_4 + 1U) * drop_square_4);
+    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_4 + 2U) * drop_4)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_4 + 3U) * drop_square_4);
+    const uint32_t w_row_4 = (seen >> 8U) * 4U;
+    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_4) * drop_4)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_4 + 1U) * drop_square_4);
+    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_4 + 2U) * drop_4)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_4 + 3U) * drop_square_4);
+    seen = seen | terms_5;
+    const uint32_t drop_5 = minor_4 << 8U;
+    const uint32_t drop_square_5 = level_square_5;
+    const uint32_t v_row_5 = (seen & 255U) * 4U;
+    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_5) * drop_5)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_5 + 1U) * drop_square_5);
+    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_5 + 2U) * drop_5)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_5 + 3U) * drop_square_5);
+    const uint32_t w_row_5 = (seen >> 8U) * 4U;
+    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_5) * drop_5)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_5 + 1U) * drop_square_5);
+    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_5 + 2U) * drop_5)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_5 + 3U) * drop_square_5);
+    const uint32_t owner = NAV_READ_U8(nav_velocity_owners, cell);
     if ((majors > strongest) || ((majors == strongest) && (owner < acting))) {
         acting = owner;
         strongest = majors;
     }
-    if (left_minor > 0U) {
-        const uint32_t v_term_2 = NAV_READ_U8(nav_velocity_v_rules, cell_5);
-        if (left_minor > v_level[v_term_2]) {
-            v_level[v_term_2] = (uint16_t)left_minor;
-        }
-        const uint32_t w_term_2 = NAV_READ_U8(nav_velocity_w_rules, cell_5);
-        if (left_minor > w_level[w_term_2]) {
-            w_level[w_term_2] = (uint16_t)left_minor;
-        }
-    }
-    if (front_minor > 0U) {
-        const uint32_t v_term_3 = NAV_READ_U8(nav_velocity_v_rules, cell_6);
-        if (front_minor > v_level[v_term_3]) {
-            v_level[v_term_3] = (uint16_t)front_minor;
-        }
-        const uint32_t w_term_3 = NAV_READ_U8(nav_velocity_w_rules, cell_6);
-        if (front_minor > w_level[w_term_3]) {
-            w_level[w_term_3] = (uint16_t)front_minor;
-        }
-        const uint32_t v_term_4 = NAV_READ_U8(nav_velocity_v_rules, cell_7);
-        if (front_minor > v_level[v_term_4]) {
-            v_level[v_term_4] = (uint16_t)front_minor;
-        }
-        const uint32_t w_term_4 = NAV_READ_U8(nav_velocity_w_rules, cell_7);
-        if (front_minor > w_level[w_term_4]) {
-            w_level[w_term_4] = (uint16_t)front_minor;
-        }
-    }
-    if (right_minor > 0U) {
-        const uint32_t v_term_5 = NAV_READ_U8(nav_velocity_v_rules, cell_8);
-        if (right_minor > v_level[v_term_5]) {
-            v_level[v_term_5] = (uint16_t)right_minor;
-        }
-        const uint32_t w_term_5 = NAV_READ_U8(nav_velocity_w_rules, cell_8);
-        if (right_minor > w_level[w_term_5]) {
-            w_level[w_term_5] = (uint16_t)right_minor;
-        }
-        const uint32_t v_term_6 = NAV_READ_U8(nav_velocity_v_rules, cell_9);
-        if (right_minor > v_level[v_term_6]) {
-            v_level[v_term_6] = (uint16_t)right_minor;
-        }
-        const uint32_t w_term_6 = NAV_READ_U8(nav_velocity_w_rules, cell_9);
-        if (right_minor > w_level[w_term_6]) {
-            w_level[w_term_6] = (uint16_t)right_minor;
-        }
-        const uint32_t v_term_7 = NAV_READ_U8(nav_velocity_v_rules, cell_10);
-        if (right_minor > v_level[v_term_7]) {
-            v_level[v_term_7] = (uint16_t)right_minor;
-        }
-        const uint32_t w_term_7 = NAV_READ_U8(nav_velocity_w_rules, cell_10);
-        if (right_minor > w_level[w_term_7]) {
-            w_level[w_term_7] = (uint16_t)right_minor;
-        }
-        const uint32_t v_term_8 = NAV_READ_U8(nav_velocity_v_rules, cell_11);
-        if (right_minor > v_level[v_term_8]) {
-            v_level[v_term_8] = (uint16_t)right_minor;
-        }
-        const uint32_t w_term_8 = NAV_READ_U8(nav_velocity_w_rules, cell_11);
-        if (right_minor > w_level[w_term_8]) {
-            w_level[w_term_8] = (uint16_t)right_minor;
-        }
-    }
-    if (target_minor > 0U) {
-        const uint32_t v_term_9 = NAV_READ_U8(nav_velocity_v_rules, cell_12);
-        if (target_minor > v_level[v_term_9]) {
-            v_level[v_term_9] = (uint16_t)target_minor;
-        }
-        const uint32_t w_term_9 = NAV_READ_U8(nav_velocity_w_rules, cell_12);
-        if (target_minor > w_level[w_term_9]) {
-            w_level[w_term_9] = (uint16_t)target_minor;
-        }
-        const uint32_t v_term_10 = NAV_READ_U8(nav_velocity_v_rules, cell_13);
-        if (target_minor > v_level[v_term_10]) {
-            v_level[v_term_10] = (uint16_t)target_minor;
-        }
-        const uint32_t w_term_10 = NAV_READ_U8(nav_velocity_w_rules, cell_13);
-        if (target_minor > w_level[w_term_10]) {
-            w_level[w_term_10] = (uint16_t)target_minor;
-        }
-        const uint32_t v_term_11 = NAV_READ_U8(nav_velocity_v_rules, cell_14);
-        if (target_minor > v_level[v_term_11]) {
-            v_level[v_term_11] = (uint16_t)target_minor;
-        }
-        const uint32_t w_term_11 = NAV_READ_U8(nav_velocity_w_rules, cell_14);
-        if (target_minor > w_level[w_term_11]) {
-            w_level[w_term_11] = (uint16_t)target_minor;
-        }
-        const uint32_t v_term_12 = NAV_READ_U8(nav_velocity_v_rules, cell_15);
-        if (target_minor > v_level[v_term_12]) {
-            v_level[v_term_12] = (uint16_t)target_minor;
-        }
-        const uint32_t w_term_12 = NAV_READ_U8(nav_velocity_w_rules, cell_15);
-        if (target_minor > w_level[w_term_12]) {
-            w_level[w_term_12] = (uint16_t)target_minor;
-        }
-        const uint32_t v_term_13 = NAV_READ_U8(nav_velocity_v_rules, cell_16);
-        if (target_minor > v_level[v_term_13]) {
-            v_level[v_term_13] = (uint16_t)target_minor;
-        }
-        const uint32_t w_term_13 = NAV_READ_U8(nav_velocity_w_rules, cell_16);
-        if (target_minor > w_level[w_term_13]) {
-            w_level[w_term_13] = (uint16_t)target_minor;
-        }
-        const uint32_t v_term_14 = NAV_READ_U8(nav_velocity_v_rules, cell_17);
-        if (target_minor > v_level[v_term_14]) {
-            v_level[v_term_14] = (uint16_t)target_minor;
-        }
-        const uint32_t w_term_14 = NAV_READ_U8(nav_velocity_w_rules, cell_17);
-        if (target_minor > w_level[w_term_14]) {
-            w_level[w_term_14] = (uint16_t)target_minor;
-        }
-        const uint32_t v_term_15 = NAV_READ_U8(nav_velocity_v_rules, cell_18);
-        if (target_minor > v_level[v_term_15]) {
-            v_level[v_term_15] = (uint16_t)target_minor;
-        }
-        const uint32_t w_term_15 = NAV_READ_U8(nav_velocity_w_rules, cell_18);
-        if (target_minor > w_level[w_term_15]) {
-            w_level[w_term_15] = (uint16_t)target_minor;
-        }
-        const uint32_t v_term_16 = NAV_READ_U8(nav_velocity_v_rules, cell_19);
-        if (target_minor > v_level[v_term_16]) {
-            v_level[v_term_16] = (uint16_t)target_minor;
-        }
-        const uint32_t w_term_16 = NAV_READ_U8(nav_velocity_w_rules, cell_19);
-        if (target_minor > w_level[w_term_16]) {
-            w_level[w_term_16] = (uint16_t)target_minor;
-        }
-    }
-    if (left_minor == majors) {
-        if (left_minor == majors) {
-            const uint32_t owner_2 = NAV_READ_U8(nav_velocity_owners, cell_5);
-            if ((left_minor > strongest) || ((left_minor == strongest) && (owner_2 < acting))) {
+    if (minor == majors) {
+        if (minor == majors) {
+            const uint32_t owner_2 = NAV_READ_U8(nav_velocity_owners, cell_2);
+            if ((minor > strongest) || ((minor == strongest) && (owner_2 < acting))) {
                 acting = owner_2;
-                strongest = left_minor;
+                strongest = minor;
             }
         }
-        if (front_minor == majors) {
-            const uint32_t owner_3 = NAV_READ_U8(nav_velocity_owners, cell_6);
-            if ((front_minor > strongest) || ((front_minor == strongest) && (owner_3 < acting))) {
+        if (minor_2 == majors) {
+            const uint32_t owner_3 = NAV_READ_U8(nav_velocity_owners, cell_3);
+            if ((minor_2 > strongest) || ((minor_2 == strongest) && (owner_3 < acting))) {
                 acting = owner_3;
-                strongest = front_minor;
+                strongest = minor_2;
             }
-            const uint32_t owner_4 = NAV_READ_U8(nav_velocity_owners, cell_7);
-            if ((front_minor > strongest) || ((front_minor == strongest) && (owner_4 < acting))) {
+            const uint32_t owner_4 = NAV_READ_U8(nav_velocity_owners, cell_4);
+            if ((minor_2 > strongest) || ((minor_2 == strongest) && (owner_4 < acting))) {
                 acting = owner_4;
-                strongest = front_minor;
+                strongest = minor_2;
             }
         }
-        if (right_minor == majors) {
-            const uint32_t owner_5 = NAV_READ_U8(nav_velocity_owners, cell_8);
-            if ((right_minor > strongest) || ((right_minor == strongest) && (owner_5 < acting))) {
+        if (minor_3 == majors) {
+            const uint32_t owner_5 = NAV_READ_U8(nav_velocity_owners, cell_5);
+            if ((minor_3 > strongest) || ((minor_3 == strongest) && (owner_5 < acting))) {
                 acting = owner_5;
-                strongest = right_minor;
+                strongest = minor_3;
             }
-            const uint32_t owner_6 = NAV_READ_U8(nav_velocity_owners, cell_9);
-            if ((right_minor > strongest) || ((right_minor == strongest) && (owner_6 < acting))) {
+            const uint32_t owner_6 = NAV_READ_U8(nav_velocity_owners, cell_6);
+            if ((minor_3 > strongest) || ((minor_3 == strongest) && (owner_6 < acting))) {
                 acting = owner_6;
-                strongest = right_minor;
+                strongest = minor_3;
             }
-            const uint32_t owner_7 = NAV_READ_U8(nav_velocity_owners, cell_10);
-            if ((right_minor > strongest) || ((right_minor == strongest) && (owner_7 < acting))) {
+            const uint32_t owner_7 = NAV_READ_U8(nav_velocity_owners, cell_7);
+            if ((minor_3 > strongest) || ((minor_3 == strongest) && (owner_7 < acting))) {
                 acting = owner_7;
-                strongest = right_minor;
+                strongest = minor_3;
             }
-            const uint32_t owner_8 = NAV_READ_U8(nav_velocity_owners, cell_11);
-            if ((right_minor > strongest) || ((right_minor == strongest) && (owner_8 < acting))) {
+            const uint32_t owner_8 = NAV_READ_U8(nav_velocity_owners, cell_8);
+            if ((minor_3 > strongest) || ((minor_3 == strongest) && (owner_8 < acting))) {
                 acting = owner_8;
-                strongest = right_minor;
+                strongest = minor_3;
             }
         }
-        if (target_minor == majors) {
-            const uint32_t owner_9 = NAV_READ_U8(nav_velocity_owners, cell_12);
-            if ((target_minor > strongest) || ((target_minor == strongest) && (owner_9 < acting))) {
+        if (minor_4 == majors) {
+            const uint32_t owner_9 = NAV_READ_U8(nav_velocity_owners, cell_9);
+            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_9 < acting))) {
                 acting = owner_9;
-                strongest = target_minor;
+                strongest = minor_4;
             }
-            const uint32_t owner_10 = NAV_READ_U8(nav_velocity_owners, cell_13);
-            if ((target_minor > strongest)
-                || ((target_minor == strongest) && (owner_10 < acting))) {
+            const uint32_t owner_10 = NAV_READ_U8(nav_velocity_owners, cell_10);
+            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_10 < acting))) {
                 acting = owner_10;
-                strongest = target_minor;
+                strongest = minor_4;
             }
-            const uint32_t owner_11 = NAV_READ_U8(nav_velocity_owners, cell_14);
-            if ((target_minor > strongest)
-                || ((target_minor == strongest) && (owner_11 < acting))) {
+            const uint32_t owner_11 = NAV_READ_U8(nav_velocity_owners, cell_11);
+            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_11 < acting))) {
                 acting = owner_11;
-                strongest = target_minor;
+                strongest = minor_4;
             }
-            const uint32_t owner_12 = NAV_READ_U8(nav_velocity_owners, cell_15);
-            if ((target_minor > strongest)
-                || ((target_minor == strongest) && (owner_12 < acting))) {
+            const uint32_t owner_12 = NAV_READ_U8(nav_velocity_owners, cell_12);
+            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_12 < acting))) {
                 acting = owner_12;
-                strongest = target_minor;
+                strongest = minor_4;
             }
-            const uint32_t owner_13 = NAV_READ_U8(nav_velocity_owners, cell_16);
-            if ((target_minor > strongest)
-                || ((target_minor == strongest) && (owner_13 < acting))) {
+            const uint32_t owner_13 = NAV_READ_U8(nav_velocity_owners, cell_13);
+            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_13 < acting))) {
                 acting = owner_13;
-                strongest = target_minor;
+                strongest = minor_4;
             }
-            const uint32_t owner_14 = NAV_READ_U8(nav_velocity_owners, cell_17);
-            if ((target_minor > strongest)
-                || ((target_minor == strongest) && (owner_14 < acting))) {
+            const uint32_t owner_14 = NAV_READ_U8(nav_velocity_owners, cell_14);
+            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_14 < acting))) {
                 acting = owner_14;
-                strongest = target_minor;
+                strongest = minor_4;
             }
-            const uint32_t owner_15 = NAV_READ_U8(nav_velocity_owners, cell_18);
-            if ((target_minor > strongest)
-                || ((target_minor == strongest) && (owner_15 < acting))) {
+            const uint32_t owner_15 = NAV_READ_U8(nav_velocity_owners, cell_15);
+            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_15 < acting))) {
                 acting = owner_15;
-                strongest = target_minor;
+                strongest = minor_4;
             }
-            const uint32_t owner_16 = NAV_READ_U8(nav_velocity_owners, cell_19);
-            if ((target_minor > strongest)
-                || ((target_minor == strongest) && (owner_16 < acting))) {
+            const uint32_t owner_16 = NAV_READ_U8(nav_velocity_owners, cell_16);
+            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_16 < acting))) {
                 acting = owner_16;
-                strongest = target_minor;
+                strongest = minor_4;
             }
         }
+    }
+    if (left_over != 0U) {
+        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_LEFT);
+    }
+    if (front_over != 0U) {
+        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_FRONT);
+    }
+    if (right_over != 0U) {
+        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_RIGHT);
+    }
+    if (target_raw != target) {
+        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_TARGET);
     }
 
     out->acting = (uint8_t)acting;
 
-    /* centroid of v: area and moment of the union of the clipped terms */
-    uint32_t v_area = 0U;
-    uint32_t v_moment = 0U;
-    uint32_t v_overlap = 0U;
-    uint32_t v_moment_off = 0U;
-    for (uint32_t k_3 = 0U; k_3 < 5U; ++k_3) {
-        const uint32_t v_h = v_level[k_3];
-        if (v_h > 0U) {
-            const uint32_t v_width = 65536U - v_h;
-            const uint32_t v_part = ((v_h * v_width) + 2048U) >> 12U;
-            v_area = v_area + v_part;
-            v_moment = v_moment + (v_part * (k_3 * 2U));
-        }
-    }
-    for (uint32_t k_4 = 0U; k_4 < 4U; ++k_4) {
-        uint32_t v_h_2 = v_level[k_4];
-        const uint32_t v_h_3 = v_level[k_4 + 1U];
-        if (v_h_3 < v_h_2) {
-            v_h_2 = v_h_3;
-        }
-        if (v_h_2 > 0U) {
-            const uint32_t v_c = (v_h_2 < 16384U) ? v_h_2 : 16384U;
-            const uint32_t v_width_2 = 65536U - (v_c * 2U);
-            const uint32_t v_part_2 = ((v_c * v_width_2) + 4096U) >> 13U;
-            v_overlap = v_overlap + v_part_2;
-            v_moment_off = v_moment_off + (v_part_2 * ((k_4 * 2U) + 1U));
-        }
-    }
-
-    const uint32_t v_m = (v_moment > v_moment_off) ? (v_moment - v_moment_off) : 0U;
-    const uint32_t v_a = (v_area > v_overlap) ? (v_area - v_overlap) : 0U;
+    /* centroid of v */
+    const uint32_t v_a = v_area >> 5U;
+    const uint32_t v_m = (v_moment - 8388608U) >> 5U;
     const uint32_t v_t = nav_quotient_2(v_m, v_a * 8U);
     const uint32_t v_steps = ((v_t * 45875U) + 62259U) >> 16U;
     out->v = (uint16_t)v_steps;
 
-    /* centroid of w: area and moment of the union of the clipped terms */
-    uint32_t w_area = 0U;
-    uint32_t w_moment = 0U;
-    uint32_t w_overlap = 0U;
-    uint32_t w_moment_off = 0U;
-    for (uint32_t k_5 = 0U; k_5 < 7U; ++k_5) {
-        const uint32_t w_h = w_level[k_5];
-        if (w_h > 0U) {
-            const uint32_t w_width = 65536U - w_h;
-            const uint32_t w_part = ((w_h * w_width) + 4096U) >> 13U;
-            w_area = w_area + w_part;
-            w_moment = w_moment + (w_part * (k_5 * 2U));
-        }
-    }
-    for (uint32_t k_6 = 0U; k_6 < 6U; ++k_6) {
-        uint32_t w_h_2 = w_level[k_6];
-        const uint32_t w_h_3 = w_level[k_6 + 1U];
-        if (w_h_3 < w_h_2) {
-            w_h_2 = w_h_3;
-        }
-        if (w_h_2 > 0U) {
-            const uint32_t w_c = (w_h_2 < 16384U) ? w_h_2 : 16384U;
-            const uint32_t w_width_2 = 65536U - (w_c * 2U);
-            const uint32_t w_part_2 = ((w_c * w_width_2) + 8192U) >> 14U;
-            w_overlap = w_overlap + w_part_2;
-            w_moment_off = w_moment_off + (w_part_2 * ((k_6 * 2U) + 1U));
-        }
-    }
-
-    const uint32_t w_m = (w_moment > w_moment_off) ? (w_moment - w_moment_off) : 0U;
-    const uint32_t w_a = (w_area > w_overlap) ? (w_area - w_overlap) : 0U;
+    /* centroid of w */
+    const uint32_t w_a = w_area >> 6U;
+    const uint32_t w_m = (w_moment - 8388608U) >> 6U;
     const uint32_t w_t = nav_quotient_2(w_m, w_a * 12U);
     const uint32_t w_scaled = w_t * 39322U;
     const uint32_t w_steps = ((w_scaled > 13107U) ? (w_scaled - 13107U) : 0U) >> 16U;
@@ -808,13 +667,11 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
 {
     nav_status_t status = NAV_OK;
 
-    int32_t target_bearing = in->target_bearing;
-    if (target_bearing < -23040) {
-        target_bearing = -23040;
-        status = (nav_status_t)(status | NAV_SATURATED_TARGET_BEARING);
-    }
-    if (target_bearing > 23040) {
-        target_bearing = 23040;
+    const int32_t target_bearing_raw = in->target_bearing;
+    const int32_t target_bearing_risen = (target_bearing_raw > -23040) ? target_bearing_raw
+        : (-23040);
+    const int32_t target_bearing = (target_bearing_risen < 23040) ? target_bearing_risen : 23040;
+    if (target_bearing_raw != target_bearing) {
         status = (nav_status_t)(status | NAV_SATURATED_TARGET_BEARING);
     }
 
@@ -830,28 +687,28 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
     for (uint32_t n = 0U; n < obstacles_used; ++n) {
         const nav_obstacle_t *const obstacle = &in->obstacles[n];
 
-        uint32_t distance = obstacle->distance;
-        if (distance > 32768U) {
-            distance = 32768U;
+        const uint32_t distance_raw = obstacle->distance;
+        const uint32_t distance_over = (distance_raw > 32768U) ? (distance_raw - 32768U) : 0U;
+        const uint32_t distance = distance_raw - distance_over;
+        if (distance_over != 0U) {
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_DISTANCE);
         }
-        int32_t bearing = obstacle->bearing;
-        if (bearing < -23040) {
-            bearing = -23040;
+        const int32_t bearing_raw = obstacle->bearing;
+        const int32_t bearing_risen = (bearing_raw > -23040) ? bearing_raw : (-23040);
+        const int32_t bearing = (bearing_risen < 23040) ? bearing_risen : 23040;
+        if (bearing_raw != bearing) {
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_BEARING);
         }
-        if (bearing > 23040) {
-            bearing = 23040;
-            status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_BEARING);
-        }
-        uint32_t speed = obstacle->speed;
-        if (speed > 32768U) {
-            speed = 32768U;
+        const uint32_t speed_raw = obstacle->speed;
+        const uint32_t speed_over = (speed_raw > 32768U) ? (speed_raw - 32768U) : 0U;
+        const uint32_t speed = speed_raw - speed_over;
+        if (speed_over != 0U) {
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_SPEED);
         }
-        uint32_t radius = obstacle->radius;
-        if (radius > 32768U) {
-            radius = 32768U;
+        const uint32_t radius_raw = obstacle->radius;
+        const uint32_t radius_over = (radius_raw > 32768U) ? (radius_raw - 32768U) : 0U;
+        const uint32_t radius = radius_raw - radius_over;
+        if (radius_over != 0U) {
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_RADIUS);
         }
 

@@ -82,12 +82,9 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
     tipper_status_t status = TIPPER_OK;
 
     /* service: degrees of poor, good, excellent */
-    uint32_t service = in->service;
-    if (service > 40960U) {
-        service = 40960U;
-        status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_SERVICE);
-    }
-
+    const uint32_t service_raw = in->service;
+    const uint32_t service_over = (service_raw > 40960U) ? (service_raw - 40960U) : 0U;
+    const uint32_t service = service_raw - service_over;
     uint32_t service_d = 0U;
     uint32_t service_term = 0U;
     if (service < 20480U) {
@@ -108,12 +105,9 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
     service_mu[service_term + 1U] = (uint16_t)service_d;
 
     /* food: degrees of rancid, delicious */
-    uint32_t food = in->food;
-    if (food > 40960U) {
-        food = 40960U;
-        status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_FOOD);
-    }
-
+    const uint32_t food_raw = in->food;
+    const uint32_t food_over = (food_raw > 40960U) ? (food_raw - 40960U) : 0U;
+    const uint32_t food = food_raw - food_over;
     uint16_t food_mu[2];
     for (uint32_t k_2 = 0U; k_2 < 2U; ++k_2) {
         food_mu[k_2] = 0U;
@@ -162,6 +156,12 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
     if (either_2 > tip_level[2U]) {
         tip_level[2U] = (uint16_t)either_2;
     }
+    if (service_over != 0U) {
+        status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_SERVICE);
+    }
+    if (food_over != 0U) {
+        status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_FOOD);
+    }
 
     /* centroid of tip: area and moment of the union of the clipped terms */
     uint32_t tip_area = 0U;
@@ -169,15 +169,16 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
     for (uint32_t k_4 = 0U; k_4 < 3U; ++k_4) {
         const uint32_t tip_h = tip_level[k_4];
         if (tip_h > 0U) {
-            const uint32_t tip_width = 65536U - tip_h;
-            const uint32_t tip_part = ((tip_h * tip_width) + 1024U) >> 11U;
-            tip_area = tip_area + tip_part;
-            tip_moment = tip_moment + (tip_part * ((k_4 * 2U) + 1U));
+            const uint32_t tip_square = (tip_h * tip_h) >> 8U;
+            const uint32_t tip_part = (tip_h << 8U) - tip_square;
+            tip_area = tip_area + (tip_part * 2U);
+            tip_moment = tip_moment + (tip_part * ((k_4 * 8U) + 4U));
         }
     }
 
-    const uint32_t tip_a = tip_area;
-    const uint32_t tip_t = tipper_quotient(tip_moment, tip_a * 6U);
+    const uint32_t tip_a = (tip_area + 32U) >> 6U;
+    const uint32_t tip_m = (tip_moment + 32U) >> 6U;
+    const uint32_t tip_t = tipper_quotient(tip_m, tip_a * 12U);
     const uint32_t tip_steps = ((tip_t * 61440U) + 63488U) >> 16U;
     out->tip = (uint16_t)tip_steps;
 

@@ -91,7 +91,7 @@ def test_the_centroid_is_within_its_numbers(division: Division, output: Output, 
         area += form.sign * areas[height]
         moment += form.sign * (float(form.reference) * areas[height] + form.moment_sign * moments[height])
     y = moment / area
-    off, area_off = np.zeros(len(levels)), np.zeros(len(levels))
+    off, area_off = numbers.area_slip * np.abs(y) + numbers.moment_slip, np.full(len(levels), numbers.area_slip)
     for s in numbers.sets:
         height = levels[:, list(s.form.members)].min(axis=1)
         lever = np.abs(float(s.form.reference) - y)

@@ -49,6 +49,7 @@ class CentroidBound:
             output.variable.raw.position(output.variable.hi) - output.variable.raw.position(output.variable.lo)
         )
         self.tail = float(numbers.tail.error / counts)
+        self.area_slip, self.moment_slip = numbers.area_slip, numbers.moment_slip
         self.fires_at = fires_at
 
     def parts(self, levels: Band) -> Parts:
@@ -121,7 +122,8 @@ class CentroidBound:
         return total
 
     def _rounding(self, lo: Floats, hi: Floats, y: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-        total, area_off = np.zeros(len(lo)), np.zeros(len(lo))
+        area_off = np.full(len(lo), self.area_slip)
+        total = self.area_slip * np.abs(y[1]) + self.moment_slip
         for s in self.sets:
             c_lo, c_hi = s.height(lo), s.height(hi)
             active = c_hi > 0
