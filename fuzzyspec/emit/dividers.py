@@ -34,28 +34,26 @@ class Reciprocal:
 
 @dataclass(frozen=True, slots=True)
 class Divider:
-    """A function and its template. The quotient's ``digits`` have ``bits`` bits each, ``mask`` of them."""
+    """A function and its template. The quotient's ``digits`` have ``bits`` bits each."""
 
     name: str
     template: str
     largest_bits: int
     bits: int
     digits: int
-    mask: str
     smallest_bits: int
     reciprocal: Reciprocal
 
 
 def divider(kernel: Kernel, name: str) -> Divider:
     """What the template of a kernel lays out."""
-    apart = kernel.by == "hardware" or (kernel.by == "unrolled" and kernel.digit_bits == 1)
+    suffix = f"_{kernel.digit_bits}" if kernel.by == "hardware" else ""
     return Divider(
         name,
-        f"quotient_{kernel.by}_{kernel.digit_bits}.c.j2" if apart else f"quotient_{kernel.by}.c.j2",
+        f"quotient_{kernel.by}{suffix}.c.j2",
         kernel.largest_bits,
         kernel.digit_bits,
         QUOTIENT_BITS // kernel.digit_bits,
-        f"0x{2**kernel.digit_bits - 1:X}U",
         kernel.smallest_bits,
         _reciprocal(kernel),
     )

@@ -42,12 +42,10 @@ class Kernel:
     def largest_bits(self) -> int:
         """The divisor lies below two to this."""
         match self.by:
-            case "loop":
+            case "loop" | "rounds" | "unrolled":
                 return 31
             case "hardware":
                 return 32 - self.digit_bits
-            case "unrolled":
-                return 31 if self.digit_bits == 1 else 31 - self.digit_bits
             case "reciprocal":
                 return self.width
 
@@ -78,23 +76,18 @@ class Kernel:
 def offered(division: Division, largest: int) -> Division:
     """The way to divide by at most ``largest`` that comes next to the one asked for."""
     bits = largest.bit_length()
-    if division == "hardware" and bits > HARDWARE_BITS:
-        return "loop"
-    if division == "reciprocal" and bits > RECIPROCAL_BITS:
-        return "unrolled"
-    return division
+    room = {"hardware": HARDWARE_BITS, "reciprocal": RECIPROCAL_BITS}
+    return "rounds" if bits > room.get(division, 32) else division
 
 
 def kernel_of(node: Quotient) -> Kernel:
     """The function that computes a node."""
     bits = node.den.hi.bit_length()
     match node.by:
-        case "loop":
-            return Kernel("loop", 1)
+        case "loop" | "rounds" | "unrolled":
+            return Kernel(node.by, 1)
         case "hardware":
             return Kernel("hardware", 8 if bits <= 24 else 4)
-        case "unrolled":
-            return Kernel("unrolled", 8 if bits <= 23 else 4 if bits <= 27 else 1)
         case "reciprocal":
             return _reciprocal(max(bits, TOP_BITS + 1), max(node.den.lo, 1).bit_length())
 

@@ -49,4 +49,6 @@ def division_of(goal: Goal, target: Target) -> Division:
     """How a machine divides. A table and two multiplications a digit pay where the multiplier takes whole words."""
     if target in DIVIDES:
         return "hardware"
-    return "loop" if goal == "size" or target == "avr" else "reciprocal"
+    if target == "avr":
+        return "unrolled" if goal == "speed" else "loop"
+    return "rounds" if goal == "size" else "reciprocal"
