@@ -289,19 +289,24 @@ def _call(function: str, left: Expr, right: Expr, names: Spelling) -> Text:
 
 
 def _element(expr: Element, names: Spelling) -> Text:
-    if expr.index.lo < 0:
-        raise AssertionError("an index is not negative")
-    index = _operand(expr.index, "uint32", names).text
+    place = subscript(expr.index, names)
     if expr.table:
-        return Text(
-            f"{reader_name(names.read, expr.ctype)}({names.tables[expr.array]}, {index})", Level.ATOM, expr.ctype
-        )
-    return Text(f"{names.locals[expr.array]}[{index}]", Level.ATOM, expr.ctype)
+        # A table, or a window into one.
+        array = names.tables[expr.array] if expr.array in names.tables else names.locals[expr.array]
+        return Text(f"{reader_name(names.read, expr.ctype)}({array}, {place})", Level.ATOM, expr.ctype)
+    return Text(f"{names.locals[expr.array]}[{place}]", Level.ATOM, expr.ctype)
 
 
-def element(array: str, index: Expr, names: Spelling) -> str:
+def subscript(expr: Expr, names: Spelling) -> str:
+    """An expression between brackets."""
+    if expr.lo < 0:
+        raise AssertionError("an index is not negative")
+    return _operand(expr, "uint32", names).text
+
+
+def element(array: str, place: Expr, names: Spelling) -> str:
     """An element of a local array as an lvalue."""
-    return f"{names.locals[array]}[{_operand(index, 'uint32', names).text}]"
+    return f"{names.locals[array]}[{subscript(place, names)}]"
 
 
 def _test(test: Test, names: Spelling) -> Text:

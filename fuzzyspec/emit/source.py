@@ -13,8 +13,8 @@ from fuzzyspec.emit.names import Names
 from fuzzyspec.emit.statements import Body, print_body
 from fuzzyspec.emit.tables import Printed, Reader, printed, readers
 from fuzzyspec.fixed.division import reciprocals
-from fuzzyspec.fixed.program import Element, Function, MulHigh, Program
-from fuzzyspec.fixed.prune import expressions, nodes
+from fuzzyspec.fixed.program import Element, Function, MulHigh, Program, Window
+from fuzzyspec.fixed.prune import expressions, nodes, statements
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +70,7 @@ def source_file(program: Program, names: Names) -> SourceFile:
 def _defined(program: Program, function: Function, names: Names, body: Body) -> Defined:
     own = names.functions[function.name]
     read = {n.array for e in expressions(body.pruned) for n in nodes(e) if isinstance(n, Element) and n.table}
+    read |= {s.table for s in statements(body.pruned) if isinstance(s, Window)}
     unused = []
     if not body.reads_input:
         unused.append(f"{INDENT}(void)in;")

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import assert_never
 
-from fuzzyspec.emit.cprinter import Level, Spelling, Text, condition, converted, element, literal, stored
+from fuzzyspec.emit.cprinter import Level, Spelling, Text, condition, converted, element, literal, stored, subscript
 from fuzzyspec.emit.ctypes import count_ctype, signed, spelled
 from fuzzyspec.emit.layout import INDENT, code, comment
 from fuzzyspec.emit.names import FunctionNames, Names, Scope, identifier, singular
@@ -32,6 +32,7 @@ from fuzzyspec.fixed.program import (
     SetState,
     SetStatus,
     Stmt,
+    Window,
 )
 from fuzzyspec.fixed.prune import expressions, nodes, prune, statements
 
@@ -132,7 +133,7 @@ def _local_names(body: tuple[Stmt, ...]) -> Iterator[str]:
         match statement:
             case Define():
                 yield statement.local.name
-            case DefineArray():
+            case DefineArray() | Window():
                 yield statement.name
             case Loop() | Each():
                 yield statement.counter.name
@@ -185,6 +186,11 @@ def _statement(statement: Stmt, depth: int, context: _Context) -> Iterator[str]:
         case DefineArray():
             declared = f"{spelled(statement.ctype)} {names.locals[statement.name]}[{statement.size}]"
             yield from code(f"{declared};", depth)
+        case Window():
+            pointer = f"const {spelled(statement.ctype)} *const {names.locals[statement.name]}"
+            yield from code(
+                f"{pointer} = &{names.tables[statement.table]}[{subscript(statement.start, names)}];", depth
+            )
         case Assign():
             target = names.locals[statement.local.name]
             yield from code(f"{target} = {stored(statement.value, statement.local.ctype, names)};", depth)

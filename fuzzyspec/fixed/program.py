@@ -245,6 +245,17 @@ class DefineArray:
 
 
 @dataclass(frozen=True, slots=True)
+class Window:
+    """``name[i]`` is ``table[start + i]`` of a static const table: in C a pointer, so that neighbours of one place are
+    read with constant indices. Read by an ``Element`` of that name with ``table`` set."""
+
+    name: str
+    ctype: CType
+    table: str
+    start: Expr
+
+
+@dataclass(frozen=True, slots=True)
 class Assign:
     local: Local
     value: Expr
@@ -338,6 +349,7 @@ Stmt = (
     Comment
     | Define
     | DefineArray
+    | Window
     | Assign
     | AssignElement
     | Loop

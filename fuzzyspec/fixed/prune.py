@@ -44,6 +44,7 @@ from fuzzyspec.fixed.program import (
     SetStatus,
     Stmt,
     Test,
+    Window,
 )
 
 Node = Expr | Test
@@ -108,6 +109,8 @@ def expressions(body: tuple[Stmt, ...]) -> Iterator[Node]:
         match statement:
             case Define() | Assign() | SetOutput() | SetState() | Record():
                 yield statement.value
+            case Window():
+                yield statement.start
             case AssignElement():
                 yield statement.index
                 yield statement.value
@@ -125,7 +128,7 @@ def _names(node: Node) -> Iterator[str]:
     for inner in nodes(node):
         if isinstance(inner, Local):
             yield inner.name
-        elif isinstance(inner, Element) and not inner.table:
+        elif isinstance(inner, Element):
             yield inner.array
 
 
@@ -150,6 +153,8 @@ def _settle(body: tuple[Stmt, ...]) -> tuple[Stmt, ...]:
                 out.append(replace(statement, body=_settle(statement.body)))
             case Define() | Assign() | SetOutput() | SetState():
                 out.append(replace(statement, value=settle(statement.value)))
+            case Window():
+                out.append(replace(statement, start=settle(statement.start)))
             case AssignElement():
                 out.append(replace(statement, index=settle(statement.index), value=settle(statement.value)))
             case CallFunction():
@@ -166,7 +171,7 @@ def _live(body: tuple[Stmt, ...], used: frozenset[str]) -> tuple[Stmt, ...]:
             case Define() | Assign():
                 if statement.local.name in used:
                     out.append(statement)
-            case DefineArray():
+            case DefineArray() | Window():
                 if statement.name in used:
                     out.append(statement)
             case AssignElement():

@@ -40,6 +40,7 @@ from fuzzyspec.fixed.program import (
     SetStatus,
     Stmt,
     Test,
+    Window,
 )
 
 Change = Callable[[Expr], Expr]
@@ -89,6 +90,8 @@ def _statement(statement: Stmt, change: Change, retype: Callable[[Local], Local]
             return statement
         case Define() | Assign():
             return replace(statement, local=retype(statement.local), value=rewritten(statement.value, change))
+        case Window():
+            return replace(statement, start=rewritten(statement.start, change))
         case AssignElement():
             index, value = rewritten(statement.index, change), rewritten(statement.value, change)
             return replace(statement, index=index, value=value)

@@ -54,6 +54,7 @@ from fuzzyspec.fixed.program import (
     SetStatus,
     Stmt,
     Test,
+    Window,
 )
 
 Ints = npt.NDArray[np.int64]
@@ -228,6 +229,7 @@ class _Frame:
     outputs: dict[str, Ints] = field(default_factory=dict)
     locals: dict[str, Any] = field(default_factory=dict)
     arrays: dict[str, Ints] = field(default_factory=dict)
+    windows: dict[str, tuple[Ints, Any]] = field(default_factory=dict)
     decisions: dict[str, Ints] = field(default_factory=dict)
     element: int | None = None
 
@@ -263,6 +265,8 @@ class _Frame:
                 self.locals[local.name] = new if mask is None else np.where(mask, new, self.locals[local.name])
             case DefineArray(name, _, size):
                 self.arrays[name] = np.zeros((size, self.n), dtype=np.int64)
+            case Window(name, _, table, start):
+                self.windows[name] = (self.tables[table], self.value(start))
             case AssignElement(array, _, index, value):
                 self.store(self.arrays[array], self.value(index), self.value(value), mask)
             case Loop(counter, count, body):
@@ -379,6 +383,9 @@ class _Frame:
                 return self.locals[name]
             case Element(array, _, index, _, _, table):
                 where = self.value(index)
+                if array in self.windows:
+                    of, start = self.windows[array]
+                    return of[start + where]
                 if table:
                     return self.tables[array][where]
                 return self.arrays[array][where] if np.ndim(where) == 0 else self.arrays[array][where, self.lane]

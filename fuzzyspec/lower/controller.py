@@ -12,10 +12,8 @@ from fuzzyspec.fixed.program import (
     Branch,
     Comment,
     Const,
-    Define,
     Expr,
     Function,
-    Local,
     Port,
     ReadPort,
     ReadState,
@@ -37,6 +35,7 @@ from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.minors import fire_minors
 from fuzzyspec.lower.multilinear import MultilinearNumbers, interpolate
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
+from fuzzyspec.lower.saturation import saturated
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.strategy import Strategy
 from fuzzyspec.model.controller import Controller, Output
@@ -66,34 +65,6 @@ def port_of(variable: Variable) -> Port:
     return Port(variable.name, raw.ctype, raw.lo, raw.hi, variable)
 
 
-def saturated(
-    variable: Variable, given: Expr, name: str, bit: str, scope: Scope
-) -> tuple[list[Stmt], Expr, list[Stmt]]:
-    """A raw from outside, brought to the nearest legal one, and statements that set ``bit`` where that changed it."""
-    raw = variable.raw
-    read = build.local(scope.name(f"{name}_raw" if given.lo < raw.lo or given.hi > raw.hi else name), given)
-    body: list[Stmt] = [Define(read, given, True)]
-    if given.lo >= raw.lo and given.hi <= raw.hi:
-        return body, read, []
-    if given.lo >= raw.lo >= 0:
-        # A difference, not a minimum: of a minimum's two values one is a constant, for which compilers double all that
-        # follows.
-        excess = build.above(read, Const(raw.hi))
-        over = build.local(scope.name(f"{name}_over"), excess)
-        value = build.sub_guarded(read, over, raw.hi)
-        legal = Local(scope.name(name), read.ctype, raw.lo, raw.hi)
-        body += [Define(over, excess, True), Define(legal, value, True)]
-        return body, legal, [Branch(build.compare("!=", over, Const(0)), (SetStatus(bit),))]
-    bounded: Expr = build.greatest(read, Const(raw.lo))
-    if given.hi > raw.hi:
-        risen = build.local(scope.name(f"{name}_risen"), bounded, ctype=read.ctype)
-        body.append(Define(risen, bounded, True))
-        bounded = build.least(risen, Const(raw.hi))
-    legal = Local(scope.name(name), read.ctype, raw.lo, raw.hi)
-    body.append(Define(legal, bounded, True))
-    return body, legal, [Branch(build.compare("!=", read, legal), (SetStatus(bit),))]
-
-
 def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Function, ControllerNumbers]:
     """Lower by a strategy that applies (``lower.choice``). Raises RangeError and TooManySets where the integers do not
     go into 32 bits."""
@@ -103,9 +74,11 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     degrees = []
     saturations: list[Stmt] = []
     evens = levels_apply(controller) if strategy.rules == "levels" else None
-    linear = multilinear_applies(controller)
-    bare = linear or strategy.rules != "loops"
-    for item in controller.inputs:
+    linear = None
+    if multilinear_applies(controller) and controller.cells is not None:
+        linear = interpolate(controller, controller.cells, strategy.interpolation, scope)
+    bare = strategy.rules != "loops"
+    for item in controller.inputs if linear is None else ():
         variable = item.variable
         low, high = build.LIMITS[variable.raw.ctype]
         bit = f"SATURATED_{variable.name.upper()}"
@@ -123,11 +96,9 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     if evens is not None and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
         means = fire_levels(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
-    elif linear and controller.cells is not None:
-        firing = Firing([], DEGREE_BITS, DEGREE_ONE)
-        loops = strategy.interpolation == "loops"
-        means, more = interpolate(controller, controller.cells, degrees, loops, firing.body, scope)
-        firing.tables += more
+    elif linear is not None:
+        firing = Firing([], DEGREE_BITS, DEGREE_ONE, body=linear.body, tables=linear.tables)
+        means, status = linear.outputs, linear.status
     else:
         firing = fire(controller, degrees, scope, fire_minors if bare else None)
     body += firing.body
@@ -167,7 +138,7 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     )
     return function, ControllerNumbers(
         controller,
-        tuple(d.error for d in degrees),
+        tuple(d.error for d in degrees) if linear is None else linear.degree_errors,
         firing.cell_error,
         tuple(firing.sentence_errors.get(i, Fraction(0)) for i in range(len(controller.sentences))),
         tuple(numbers),

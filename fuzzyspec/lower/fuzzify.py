@@ -77,11 +77,13 @@ def position_expr(raw: Raw, value: Expr) -> Expr:
     return build.sub(value, Const(raw.lo)) if raw.step > 0 else build.sub(Const(raw.hi), value)
 
 
-def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool, bare: bool = False) -> tuple[list[Stmt], Degrees]:
+def fuzzify(
+    item: Input, raw: Expr, scope: Scope, dense: bool, bare: bool = False, one: int = DEGREE_ONE
+) -> tuple[list[Stmt], Degrees]:
     """Statements that compute the degrees of one input from its saturated raw.
 
     ``dense`` asks for a slot for every term even in a strong partition (sentence rules name terms); ``bare`` for no
-    array at all where the partition is strong.
+    array at all where the partition is strong, and then ``one`` is the integer that stands for a degree of 1.
     """
     variable = item.variable
     body: list[Stmt] = []
@@ -91,7 +93,7 @@ def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool, bare: bool = Fals
         body.append(Define(bound, at, True))
         at = bound
     if item.peaks is not None and len(item.peaks) > 1:
-        return _strong(item, item.peaks, at, scope, dense, bare, body)
+        return _strong(item, item.peaks, at, scope, dense, bare, body, one)
     array = scope.name(f"{item.name}_mu")
     body += zeroed(array, "uint16", len(item.terms), scope)
     worst = Fraction(0)
@@ -103,11 +105,18 @@ def fuzzify(item: Input, raw: Expr, scope: Scope, dense: bool, bare: bool = Fals
 
 
 def _strong(
-    item: Input, peaks: tuple[Fraction, ...], at: Local, scope: Scope, dense: bool, bare: bool, body: list[Stmt]
+    item: Input,
+    peaks: tuple[Fraction, ...],
+    at: Local,
+    scope: Scope,
+    dense: bool,
+    bare: bool,
+    body: list[Stmt],
+    one: int,
 ) -> tuple[list[Stmt], Degrees]:
     places = [position(item.variable.raw, p) for p in peaks]
     last = len(places) - 2
-    degree = Local(scope.name(f"{item.name}_d"), "uint16", 0, DEGREE_ONE)
+    degree = Local(scope.name(f"{item.name}_d"), "uint16", 0, one)
     first = Local(scope.name(f"{item.name}_term"), "uint8", 0, last)
     body.append(Define(degree, Const(0), False))
     if last:
@@ -120,18 +129,18 @@ def _strong(
         start = max(0, math.ceil(low))
         end = at.hi if k == last else min(at.hi, math.ceil(high) - 1)
         if k == last and high - low < STEEP and math.ceil(high) <= at.hi:
-            chain = ((Assign(first, Const(k)),) if k else ()) + (Assign(degree, Const(DEGREE_ONE)),)
+            chain = ((Assign(first, Const(k)),) if k else ()) + (Assign(degree, Const(one)),)
             lowest = math.ceil(high)
             end = lowest - 1
         if end < start:
             continue
         # Beyond the last peak the degree stays 1 (a peak between two raws is passed, and capped), below the first 0.
         straight = min(end, math.ceil(high)) if k == last else end
-        slope = DEGREE_ONE / (high - low)
+        slope = one / (high - low)
         line = fit((start - low) * slope, slope, max(0, straight - start))
         worst = max(worst, line.error)
         steps: list[Stmt] = [Assign(first, Const(k))] if k else []
-        steps += _piece(line, at, start, end, straight, degree, scope, item.name)
+        steps += _piece(line, at, start, end, straight, degree, scope, item.name, one)
         lowest = start
         test = build.compare("<", at, Const(math.ceil(high)))
         if not chain or build.always(test):
@@ -143,22 +152,22 @@ def _strong(
     body.extend(chain)
     index: Expr = first if last else Const(0)
     if bare:
-        return body, Degrees("", 2, index, worst / DEGREE_ONE, degree)
+        return body, Degrees("", 2, index, worst / one, degree)
     array = scope.name(f"{item.name}_mu")
-    low_degree = build.sub(Const(DEGREE_ONE), degree)
+    low_degree = build.sub(Const(one), degree)
     if dense:
         body += zeroed(array, "uint16", len(places), scope)
         body.append(AssignElement(array, "uint16", index, low_degree))
         body.append(AssignElement(array, "uint16", build.add(index, Const(1)), degree))
-        return body, Degrees(array, len(places), Const(0), worst / DEGREE_ONE)
+        return body, Degrees(array, len(places), Const(0), worst / one)
     body.append(DefineArray(array, "uint16", 2))
     body.append(AssignElement(array, "uint16", Const(0), low_degree))
     body.append(AssignElement(array, "uint16", Const(1), degree))
-    return body, Degrees(array, 2, index, worst / DEGREE_ONE)
+    return body, Degrees(array, 2, index, worst / one)
 
 
 def _piece(
-    line: Line, at: Local, start: int, end: int, straight: int, degree: Local, scope: Scope, name: str
+    line: Line, at: Local, start: int, end: int, straight: int, degree: Local, scope: Scope, name: str, one: int
 ) -> list[Stmt]:
     u: Expr = at
     steps: list[Stmt] = []
@@ -172,10 +181,10 @@ def _piece(
             steps.append(Define(short, build.least(bound, Const(straight - start)), True))
             u = short
     value = line.expr(u)
-    if line.top > DEGREE_ONE:
+    if line.top > one:
         wide = build.local(scope.name(f"{name}_y"), value)
         steps.append(Define(wide, value, True))
-        value = build.least(wide, Const(DEGREE_ONE))
+        value = build.least(wide, Const(one))
     steps.append(Assign(degree, value))
     return steps
 

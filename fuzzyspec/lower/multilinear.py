@@ -1,9 +1,8 @@
 """Product, sum and weighted average over strong partitions: interpolation between the rules' places.
 
 The degrees of an input's two active terms are d and 1 - d, so the strengths of the active cells sum to 1, nothing
-is divided,
-and the weighted average is the multilinear interpolation of the places that the cells name: along the last input first,
-2**n - 1 interpolations between neighbours in all. One program serves every goal, whether written out or as loops.
+is divided, and the weighted average is the multilinear interpolation of the places that the cells name. The weights of
+the last two inputs' four corners multiply places straight from the table; the other inputs follow one by one.
 """
 
 from __future__ import annotations
@@ -11,36 +10,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import product
 
 from fuzzyspec.fixed import build
-from fuzzyspec.fixed.program import (
-    AssignElement,
-    Comment,
-    Const,
-    Define,
-    DefineArray,
-    Element,
-    Expr,
-    Local,
-    Loop,
-    Stmt,
-    Table,
-)
-from fuzzyspec.lower.fuzzify import Degrees
+from fuzzyspec.fixed.program import Comment, Const, Define, Expr, Local, ReadPort, StatusBit, Stmt, Table
+from fuzzyspec.lower.corners import Corners, Side, in_loops, packed, written
+from fuzzyspec.lower.formats import Format, as_counts, format_of
 from fuzzyspec.lower.lines import DEGREE_ONE
+from fuzzyspec.lower.saturation import saturated
 from fuzzyspec.lower.scope import Scope
+from fuzzyspec.lower.slide import Cell, chain, slide
+from fuzzyspec.lower.strategy import Interpolation
 from fuzzyspec.model.controller import CellRules, Controller
-from fuzzyspec.model.term import Singleton
 
-HALF = Fraction(1, 2)
-PLACE_MAX = 65535
-"""Places are uint16: raw counts with as many fraction bits as fit."""
-EXTRA_BITS = 1
-"""Interpolated values keep 17 bits: times a degree they still fit 32."""
 MOST_INPUTS = 5
-WRITTEN_OUT = 4
-"""Up to this many inputs the interpolations are written out, unless size is asked for."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +34,17 @@ class MultilinearNumbers:
 
     edges: tuple[Fraction, ...]
     rounding: Fraction
+
+
+@dataclass(frozen=True)
+class Interpolated:
+    """A whole controller's body up to its outputs: what they share, then for each its statements, raw and numbers."""
+
+    body: list[Stmt]
+    status: list[StatusBit]
+    degree_errors: tuple[Fraction, ...]
+    outputs: list[tuple[list[Stmt], Expr, MultilinearNumbers]]
+    tables: list[Table]
 
 
 def applies(controller: Controller) -> bool:
@@ -71,158 +64,97 @@ def applies(controller: Controller) -> bool:
     )
 
 
-def interpolate(
-    controller: Controller, cells: CellRules, degrees: list[Degrees], compact: bool, body: list[Stmt], scope: Scope
-) -> tuple[list[tuple[list[Stmt], Expr, MultilinearNumbers]], list[Table]]:
-    """For every output its statements, raw and numbers; what they share goes to ``body``."""
-    strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(cells.shape))]
-    base: Expr = Const(0)
-    for d, stride in zip(degrees, strides, strict=True):
-        base = build.add(base, build.mul(d.first, Const(stride)))
-    body.append(Comment("the cell of the lower active terms"))
-    if not isinstance(base, Const | Local):
-        bound = build.local(scope.name("cell"), base)
-        body.append(Define(bound, base, True))
-        base = bound
-    sides: list[tuple[Local, Local]] = []
-    for item, d in zip(controller.inputs, degrees, strict=True):
-        assert d.upper is not None
+def ways(controller: Controller) -> tuple[Interpolation, ...]:
+    """How a controller that this applies to can be computed."""
+    assert controller.cells is not None
+    if len(controller.outputs) > 1 and format_of(controller, controller.cells).narrow:
+        return ("loops", "written", "packed")
+    return ("loops", "written")
+
+
+def corners_of(controller: Controller) -> int:
+    """How many sums of inner corners there are, over all outputs."""
+    return len(controller.outputs) << max(0, len(controller.inputs) - 2)
+
+
+def interpolate(controller: Controller, cells: CellRules, way: Interpolation, scope: Scope) -> Interpolated:
+    """Lower by one of the controller's :func:`ways`."""
+    fmt = format_of(controller, cells)
+    body, status, cell, degrees, errors = _fuzzified(controller, cells, fmt, scope)
+    weights = _weights(controller, degrees[len(degrees) - fmt.inner :], fmt.bits, body, scope)
+    sides: list[Side] = []
+    for item, degree in zip(controller.inputs, degrees[: len(degrees) - fmt.inner], strict=False):
         rest = Local(scope.name(f"{item.name}_rest"), "uint16", 0, DEGREE_ONE)
-        body.append(Define(rest, build.sub(Const(DEGREE_ONE), d.upper), True))
-        sides.append((rest, d.upper))
-    offsets = [sum(b * s for b, s in zip(bits, strides, strict=True)) for bits in product((0, 1), repeat=len(strides))]
-    tables: list[Table] = []
+        body.append(Define(rest, build.sub(Const(DEGREE_ONE), degree), True))
+        sides.append(Side(rest, degree))
+    names = tuple(o.name for o in controller.outputs)
+    corners = Corners(fmt, names, cells.shape, cell.local or Const(0), tuple(weights), tuple(sides))
+    lower = {"packed": packed, "written": written, "loops": in_loops}[way]
+    shared, values, tables = lower(corners, scope)
+    body += shared
     found: list[tuple[list[Stmt], Expr, MultilinearNumbers]] = []
-    in_loops = compact or len(strides) > WRITTEN_OUT
-    corners = Table(scope.name("corners"), build.smallest_type(0, max(offsets)), tuple(offsets))
-    if in_loops:
-        tables.append(corners)
     for o, output in enumerate(controller.outputs):
-        places = _places(controller, o)
-        named = [places[t] for t in cells.consequents[o]]
-        raw = output.variable.raw
-        at_lo, at_hi = raw.position(output.variable.lo), raw.position(output.variable.hi)
-        low = at_lo - raw.lo if raw.step > 0 else raw.hi - at_lo
-        exact = [low + abs(at_hi - at_lo) * p for p in named]
-        counts = raw.hi - raw.lo
-        bits = 0
-        while (counts + 1) << (bits + 1) <= PLACE_MAX:
-            bits += 1
-        integers = tuple(max(0, math.floor(e * 2**bits + HALF)) for e in exact)
-        table = Table(scope.name(f"{output.name}_places"), "uint16", integers)
-        tables.append(table)
-        steps: list[Stmt] = [Comment(f"{output.name}: interpolated between the places of the active cells")]
-        walk = _loops if in_loops else _written_out
-        value = walk(output.name, table, base, corners, sides, steps, scope)
-        near = build.rounded_shift(value, bits + EXTRA_BITS)
-        steps_up = build.local(scope.name(f"{output.name}_steps"), near)
-        steps.append(Define(steps_up, near, True))
-        capped = build.least(steps_up, Const(counts))
-        result = build.add(capped, Const(raw.lo)) if raw.step > 0 else build.sub(Const(raw.hi), capped)
-        worst = max(abs(Fraction(i, 2**bits) - e) for i, e in zip(integers, exact, strict=True))
-        # The last step rounds once; each input's interpolations half a unit of the values they make.
-        rounding = worst + Fraction(len(strides), 2 ** (bits + EXTRA_BITS + 1)) + HALF
-        sliver = low + abs(at_hi - at_lo) - counts
-        found.append((steps, result, MultilinearNumbers(_edges(cells.shape, named), max(rounding, sliver))))
-    return found, tables
+        raw, places = output.variable.raw, fmt.outputs[o]
+        steps, value = values[o]
+        near, off = as_counts(fmt, o, value, output.name, steps, scope)
+        result = build.add(near, Const(raw.lo)) if raw.step > 0 else build.sub(Const(raw.hi), near)
+        numbers = MultilinearNumbers(places.edges, max(fmt.rounding(o) + off, places.sliver))
+        found.append((steps, result, numbers))
+    return Interpolated(body, status, errors, found, tables)
 
 
-def _places(controller: Controller, o: int) -> list[Fraction]:
-    variable = controller.outputs[o].variable
-    places: list[Fraction] = []
-    for term in controller.outputs[o].terms:
-        assert isinstance(term.shape, Singleton)
-        places.append((term.shape.at - variable.lo) / (variable.hi - variable.lo))
-    return places
+def _fuzzified(
+    controller: Controller, cells: CellRules, fmt: Format, scope: Scope
+) -> tuple[list[Stmt], list[StatusBit], Cell, list[Local], tuple[Fraction, ...]]:
+    strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(cells.shape))]
+    highest = sum((n - 2) * s for n, s in zip(cells.shape, strides, strict=True))
+    cell = Cell(Local(scope.name("cell"), build.smallest_type(0, highest), 0, highest) if highest else None)
+    body: list[Stmt] = []
+    if cell.local is not None:
+        body += [Comment("the cell of the lower active terms, counted up input by input")]
+        body += [Define(cell.local, Const(0), False)]
+    status: list[StatusBit] = []
+    degrees: list[Local] = []
+    errors: list[Fraction] = []
+    saturations: list[Stmt] = []
+    for i, (item, stride) in enumerate(zip(controller.inputs, strides, strict=True)):
+        variable = item.variable
+        low, high = build.LIMITS[variable.raw.ctype]
+        bit = f"SATURATED_{variable.name.upper()}"
+        if low < variable.raw.lo or high > variable.raw.hi:
+            status.append(StatusBit(bit, f"{variable.name} was outside its range and was saturated"))
+        body.append(Comment(f"{item.name}: degrees of {', '.join(t.name for t in item.terms)}"))
+        one = 1 << fmt.bits if i >= len(strides) - fmt.inner else DEGREE_ONE
+        slid = slide(item, one, cell, stride, bit, scope)
+        if slid is None:
+            given = ReadPort(variable.name, variable.raw.ctype, low, high)
+            steps, value, told = saturated(variable, given, variable.name, bit, scope)
+            body += steps
+            saturations += told
+            slid = chain(item, value, one, cell, stride, scope)
+        steps, degree, error = slid
+        body += steps
+        degrees.append(degree)
+        errors.append(error)
+    return body + saturations, status, cell, degrees, tuple(errors)
 
 
-def _edges(shape: tuple[int, ...], named: list[Fraction]) -> tuple[Fraction, ...]:
-    edges: list[Fraction] = []
-    for i in range(len(shape)):
-        stride = math.prod(shape[i + 1 :])
-        inner = [c for c in range(len(named)) if c // stride % shape[i] < shape[i] - 1]
-        edges.append(max((abs(named[c + stride] - named[c]) for c in inner), default=Fraction(0)))
-    return tuple(edges)
+def _weights(controller: Controller, degrees: list[Local], bits: int, body: list[Stmt], scope: Scope) -> list[Local]:
+    """Of the corners of the last inputs, the low one first; they sum to 1 exactly. Their product is rounded once."""
+    one = Const(1 << bits)
 
-
-def _between(low: Expr, high: Expr, side: tuple[Local, Local], lift: int) -> Expr:
-    """``low (1 - d) + high d``, rounded, with ``lift`` more fraction bits than its operands."""
-    rest, d = side
-    hi = max(low.hi, high.hi)
-    total = build.add_bounded(build.mul(low, rest), build.mul(high, d), hi * DEGREE_ONE)
-    shift = DEGREE_ONE.bit_length() - 1 - lift
-    return build.shift_right(
-        build.add_bounded(total, Const(1 << (shift - 1)), min(hi * DEGREE_ONE + (1 << (shift - 1)), 2**32 - 1)), shift
-    )
-
-
-def _written_out(
-    name: str,
-    table: Table,
-    base: Expr,
-    corners: Table,
-    sides: list[tuple[Local, Local]],
-    steps: list[Stmt],
-    scope: Scope,
-) -> Expr:
-    """Depth first, so that few values wait at a time."""
-
-    def at(level: int, first: int) -> Expr:
-        if level == len(sides):
-            place = build.add(base, Const(corners.values[first]))
-            return Element(table.name, "uint16", place, 0, PLACE_MAX, True)
-        half = 1 << (len(sides) - level - 1)
-        last = level == len(sides) - 1
-        low, high = at(level + 1, first), at(level + 1, first + half)
-        if last:
-            low, high = bound(low, "low"), bound(high, "high")
-        return bound(_between(low, high, sides[level], EXTRA_BITS if last else 0), "along")
-
-    def bound(value: Expr, what: str) -> Local:
-        hi = min(value.hi, PLACE_MAX << EXTRA_BITS)
-        local = Local(scope.name(f"{name}_{what}"), "uint32" if what == "along" else "uint16", 0, hi)
-        steps.append(Define(local, value, True))
+    def bound(name: str, value: Expr) -> Local:
+        local = Local(scope.name(name), "uint16", 0, 1 << bits)
+        body.append(Define(local, value, True))
         return local
 
-    return at(0, 0)
-
-
-def _loops(
-    name: str,
-    table: Table,
-    base: Expr,
-    corners: Table,
-    sides: list[tuple[Local, Local]],
-    steps: list[Stmt],
-    scope: Scope,
-) -> Expr:
-    """All corners in an array, halved along one input after the other."""
-    count = len(corners.values)
-    array = scope.name(f"{name}_corner")
-    most = PLACE_MAX << EXTRA_BITS
-    counter = Local(scope.name("c"), "uint8", 0, count - 1)
-    offset = Element(corners.name, corners.ctype, counter, 0, max(corners.values), True)
-    place = Local(scope.name("place"), "uint32", 0, len(table.values) - 1)
-    steps += [
-        DefineArray(array, "uint32", count),
-        Loop(
-            counter,
-            count,
-            (
-                Define(place, build.add_bounded(base, offset, len(table.values) - 1), True),
-                AssignElement(array, "uint32", counter, Element(table.name, "uint16", place, 0, PLACE_MAX, True)),
-            ),
-        ),
-    ]
-    for i in range(len(sides) - 1, -1, -1):
-        first = i == len(sides) - 1
-        hi = PLACE_MAX if first else most
-        half = Local(scope.name("c"), "uint8", 0, (1 << i) - 1)
-        twice = build.mul(half, Const(2))
-        low = Element(array, "uint32", twice, 0, hi, False)
-        high = Element(array, "uint32", build.add(twice, Const(1)), 0, hi, False)
-        value = _between(low, high, sides[i], EXTRA_BITS if first else 0)
-        steps.append(Loop(half, 1 << i, (AssignElement(array, "uint32", half, value),)))
-    result = Local(scope.name(f"{name}_along"), "uint32", 0, most)
-    steps.append(Define(result, Element(array, "uint32", Const(0), 0, most, False), True))
-    return result
+    last = degrees[-1]
+    if len(degrees) == 1:
+        return [bound(f"{controller.inputs[-1].name}_rest", build.sub(one, last)), last]
+    first = degrees[0]
+    body.append(Comment(f"weights of the corners of {controller.inputs[-2].name} and {controller.inputs[-1].name}"))
+    both = bound("both", build.rounded_shift(build.mul(first, last), bits))
+    only_last = bound(f"only_{controller.inputs[-1].name}", build.sub_guarded(last, both, 1 << bits))
+    only_first = bound(f"only_{controller.inputs[-2].name}", build.sub_guarded(first, both, 1 << bits))
+    neither = bound("neither", build.sub_guarded(build.sub(one, first), only_last, 1 << bits))
+    return [neither, only_last, only_first, both]

@@ -14,8 +14,9 @@ Target = Literal["generic", "cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc"
 Rules = Literal["loops", "minors", "levels"]
 """Firing: every active cell in loops (any rule base); cells written out, strongest first, by sorted minors; or the same
 with sets of terms as bits and one polynomial a strength, where the outputs are even."""
-Interpolation = Literal["loops", "written"]
-"""Product and singletons over strong partitions: interpolations in loops over the corners, or written out."""
+Interpolation = Literal["loops", "written", "packed"]
+"""Product and singletons over strong partitions: interpolations in loops over the corners, written out, or written out
+with two outputs in the halves of a word."""
 Widths = Literal["words", "narrow"]
 """Locals of 32 bits, as registers are, or of the fewest bits that hold their values."""
 

@@ -33,10 +33,11 @@ from fuzzyspec.fixed.program import (
     Test,
 )
 from fuzzyspec.lower import folding
-from fuzzyspec.lower.controller import port_of, saturated
+from fuzzyspec.lower.controller import port_of
 from fuzzyspec.lower.decisions import decide
 from fuzzyspec.lower.places import place, read
 from fuzzyspec.lower.quotients import divide, settle, zero_over_zero
+from fuzzyspec.lower.saturation import saturated
 from fuzzyspec.lower.scaled import Arithmetic, Scaled, cause_of, constant
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.walk import folds, needs, needs_of_element

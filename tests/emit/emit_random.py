@@ -34,6 +34,7 @@ from fuzzyspec.fixed.program import (
     Stmt,
     Table,
     Test,
+    Window,
 )
 
 TYPES: tuple[CType, ...] = ("uint8", "int8", "uint16", "int16", "uint32", "int32")
@@ -160,6 +161,11 @@ class Maker:
         table = Table(self.name("table"), ctype, values)
         self.tables.append(table)
         at = self.define(self.atom_index(), "at")
+        if self.dice.random() < 0.3:
+            half = self.define(build.shift_right(at, 1), "half")
+            view = Window(self.name("view"), ctype, table.name, half)
+            self.body.append(view)
+            return Element(view.name, ctype, Const(self.dice.randrange(5)), min(values), max(values), table=True)
         return Element(table.name, ctype, at, min(values), max(values), table=True)
 
     def atom_index(self) -> Expr:

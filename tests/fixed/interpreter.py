@@ -44,6 +44,7 @@ from fuzzyspec.fixed.program import (
     SetStatus,
     Stmt,
     Test,
+    Window,
 )
 
 BINARY = {
@@ -81,6 +82,7 @@ class Case:
     decisions: dict[tuple[str, int | None], int] = field(default_factory=dict)
     locals: dict[str, int] = field(default_factory=dict)
     arrays: dict[str, list[int]] = field(default_factory=dict)
+    windows: dict[str, tuple[int, ...]] = field(default_factory=dict)
     element: int | None = None
     record: dict[str, int] = field(default_factory=dict)
 
@@ -106,6 +108,9 @@ class Case:
                 self.locals[local.name] = self.value(value)
             case DefineArray(name, _, size):
                 self.arrays[name] = [0] * size
+            case Window(name, _, table, start):
+                whole = next(t.values for t in self.function.tables if t.name == table)
+                self.windows[name] = whole[self.value(start) :]
             case AssignElement(array, _, index, value):
                 self.arrays[array][self.value(index)] = self.value(value)
             case Loop(counter, count, body):
@@ -166,7 +171,7 @@ class Case:
             case Local(name):
                 return self.locals[name]
             case Element(array, _, index, _, _, table):
-                tables = {t.name: t.values for t in self.function.tables}
+                tables = {t.name: t.values for t in self.function.tables} | self.windows
                 return (tables if table else self.arrays)[array][self.value(index)]
             case ReadPort(name):
                 found = self.inputs[name]

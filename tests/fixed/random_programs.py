@@ -40,6 +40,7 @@ from fuzzyspec.fixed.program import (
     Stmt,
     Table,
     Test,
+    Window,
 )
 from fuzzyspec.model.units import ONE
 from fuzzyspec.model.variable import Raw, Variable
@@ -75,11 +76,13 @@ class Writer:
 
     def leaf(self) -> Expr:
         """An atom, or something read."""
-        kind = self.dice.randrange(7)
+        kind = self.dice.randrange(8)
         if kind == 0:
             return Element("cells", "uint8", self.index(), 0, BYTE, False)
         if kind == 1:
             return Element("squares", "uint8", self.index(), 0, BYTE, True)
+        if kind == 7:
+            return Element("view", "uint8", build.shift_right(self.index(), 1), 0, BYTE, True)
         if kind == 2:
             return ReadState("kept", "uint8", 0, BYTE)
         if kind == 3 and self.in_list:
@@ -194,6 +197,7 @@ def _function(name: str, dice: random.Random, *, outer: bool) -> Function:
     writer = Writer(dice, calls=outer)
     start: list[Stmt] = [Define(v, writer_start, False) for v, writer_start in zip(VARIABLES, _starts(), strict=True)]
     start.append(DefineArray("cells", "uint8", 8))
+    start.append(Window("view", "uint8", "squares", build.shift_right(VARIABLES[0], 6)))
     inputs: tuple[Port | ListPort, ...] = tuple(byte(n) for n in SCALARS)
     if outer:
         inputs = (*inputs, ListPort("items", CAPACITY, tuple(byte(f) for f in FIELDS)))
