@@ -11,6 +11,7 @@ from dataclasses import replace
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import CType, Expr, Function, Local
 from fuzzyspec.fixed.rewrite import declared, rewritten_body
+from fuzzyspec.lower.shapes import cheapest, plainest
 from fuzzyspec.lower.strategy import Widths
 
 
@@ -22,7 +23,9 @@ def fit_widths(function: Function, widths: Widths) -> Function:
         return replace(local, ctype=types.get(local.name, local.ctype))
 
     def change(expr: Expr) -> Expr:
-        return retype(expr) if isinstance(expr, Local) else expr
+        if isinstance(expr, Local):
+            return retype(expr)
+        return cheapest(expr) if widths == "narrow" else plainest(expr)
 
     return replace(function, body=rewritten_body(function.body, change, retype))
 

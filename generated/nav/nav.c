@@ -240,7 +240,7 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     const uint32_t ddc_a = ddc_area >> 4U;
     const uint32_t ddc_m = (ddc_moment - 8388608U) >> 4U;
     const uint32_t ddc_t = nav_quotient_2(ddc_m, ddc_a * 4U);
-    const uint32_t ddc_steps = ((ddc_t * 32768U) + 49152U) >> 16U;
+    const uint32_t ddc_steps = (ddc_t + 1U) >> 1U;
     out->ddc = (uint16_t)ddc_steps;
 
     return status;

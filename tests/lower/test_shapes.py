@@ -1,0 +1,82 @@
+"""Shapes for a machine of 8 bits: other operations, the same integers."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzyspec.fixed import build
+from fuzzyspec.fixed.build import UINT32_MAX
+from fuzzyspec.fixed.program import Binary, Const, Expr, Local
+from fuzzyspec.lower.shapes import cheapest, cycles, operators, plainest
+
+
+def value(expr: Expr, names: dict[str, int]) -> int:
+    """What an expression of non-negatives comes to; every part lies in its interval, and that in 32 bits."""
+    match expr:
+        case Const(found):
+            pass
+        case Local(name):
+            found = names[name]
+        case Binary(op, left, right):
+            a, b = value(left, names), value(right, names)
+            found = {"+": a + b, "-": a - b, "*": a * b, ">>": a >> b, "<<": a << b}[op]
+        case _:
+            raise AssertionError(expr)
+    assert 0 <= expr.lo <= found <= expr.hi <= UINT32_MAX
+    return found
+
+
+@st.composite
+def shifts(draw: st.DrawFn) -> tuple[Expr, dict[str, int]]:
+    """A shift of a line, of a product or of something else, and values of its locals."""
+    highest = st.integers(1, 65535) | st.sampled_from([1, 32767, 32768, 65535])
+    a, b = (Local(name, "uint32", 0, draw(highest)) for name in "ab")
+    names = {x.name: draw(st.integers(0, x.hi) | st.just(x.hi)) for x in (a, b)}
+    count = draw(st.integers(1, 24))
+    short = build.add(a, Const(draw(st.integers(0, 99)))) if draw(st.booleans()) else a
+    factor = draw(st.integers(1, UINT32_MAX // short.hi) | st.sampled_from([1, 2, 3, 128, 21845]))
+    multiple = Binary("*", short, Const(factor), 0, short.hi * factor)
+    last = UINT32_MAX - multiple.hi
+    match draw(st.integers(0, 3)):
+        case 0:
+            inner = build.add(multiple, Const(draw(st.integers(0, max(0, last)))))
+        case 1:
+            start = multiple.hi + draw(st.integers(0, max(0, last)))
+            inner = build.sub_guarded(Const(start), multiple, start)
+        case 2:
+            product = build.mul(a, b)
+            inner = build.add(product, Const(draw(st.integers(0, min(1 << count, UINT32_MAX - product.hi)))))
+        case _:
+            inner = build.add(build.mul(a, b), build.mul(a, Const(1)))
+    if inner.hi > UINT32_MAX:
+        inner = a
+    return build.shift_right(inner, count), names
+
+
+@given(shifts())
+def test_the_cheapest_shape_is_equal(drawn: tuple[Expr, dict[str, int]]) -> None:
+    """Scaled by powers of two, parted or shifted by bytes, the integer is the same, and nothing leaves 32 bits."""
+    expr, names = drawn
+    assert value(cheapest(expr), names) == value(expr, names)
+    assert cycles(cheapest(expr)) <= cycles(expr)
+    assert (cheapest(expr).lo, cheapest(expr).hi) == (expr.lo, expr.hi)
+
+
+@given(shifts())
+def test_the_plainest_shape_is_equal(drawn: tuple[Expr, dict[str, int]]) -> None:
+    """On any machine a power of two that factor and count share goes, where an operator goes with it."""
+    expr, names = drawn
+    assert value(plainest(expr), names) == value(expr, names)
+    assert operators(plainest(expr)) <= operators(expr)
+
+
+def test_long_shifts_and_multipliers_go() -> None:
+    """A degree's line with a slope of 17 bits, and a shift by 15: short multiplications, and shifts by bytes."""
+    u = Local("u", "uint16", 0, 24575)
+    line = build.shift_right(build.add(build.mul(u, Const(87381)), Const(36864)), 16)
+    assert cheapest(line) == build.add(u, build.shift_right(build.add(build.mul(u, Const(21845)), Const(36864)), 16))
+    third = build.rounded_shift(build.mul(u, Const(21845)), 15)
+    assert cheapest(third) == build.rounded_shift(build.mul(u, Const(43690)), 16)
+    half = build.shift_right(build.add(build.mul(u, Const(32768)), Const(49152)), 16)
+    assert cheapest(half) == plainest(half) == build.shift_right(build.add(u, Const(1)), 1)
