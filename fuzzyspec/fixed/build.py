@@ -119,6 +119,11 @@ def capped(expr: Expr, hi: int) -> Expr:
     return expr if isinstance(expr, Const) else replace(expr, hi=min(expr.hi, hi))
 
 
+def floored(expr: Expr, lo: int) -> Expr:
+    """The same expression where the caller's proof keeps it at ``lo`` or above."""
+    return expr if isinstance(expr, Const) else replace(expr, lo=max(expr.lo, lo))
+
+
 def mul(left: Expr, right: Expr) -> Expr:
     """``left * right``."""
     if isinstance(left, Const):

@@ -122,6 +122,17 @@ def centroid(
     return body + steps, raw, tables, CentroidNumbers(tuple(numbers), tail)
 
 
+def even_sets(even: EvenOutput) -> tuple[SetNumbers, ...]:
+    """The numbers of an even output's sets, whichever program adds them."""
+    height = Local("h", "uint16", 0, DEGREE_ONE)
+    sets: list[SetNumbers] = []
+    for f in even.forms:
+        found = evaluate_even(f, even, height, Scope(), "set")
+        count = even.halves[f.members[0]] if len(f.members) == 1 else 1
+        sets.append(SetNumbers(f, found.area_error * count, found.moment_error, 0.0, 0.0))
+    return tuple(sets)
+
+
 def even_mean(
     output: Output,
     even: EvenOutput,
@@ -131,8 +142,12 @@ def even_mean(
     division: Division,
     scope: Scope,
     rounded: bool = False,
+    fires: bool = False,
 ) -> tuple[list[Stmt], Expr, CentroidNumbers]:
-    """The raw of an even output from its sums; ``rounded`` ones hold the half that rounds their shortening."""
+    """The raw of an even output from its sums; ``rounded`` ones hold the half that rounds their shortening.
+
+    ``fires``: some term is reached to 1/2 or more, so the area is at least the smallest term's there.
+    """
     name, shift = output.name, even.shift
     half = 1 << (shift - 1)
     domain = (even.domain << AREA_BITS) + half
@@ -142,6 +157,8 @@ def even_mean(
         moment = build.add(build.capped(moment, room), Const(half))
     a_value = build.shift_right(build.capped(area, domain), shift)
     m_value = build.shift_right(moment, shift)
+    least = (min(even.halves) * (3 << (AREA_BITS - 2)) + half) >> shift if fires else 0
+    a_value = build.floored(a_value, least)
     a, m = build.local(scope.name(f"{name}_a"), a_value), build.local(scope.name(f"{name}_m"), m_value)
     body: list[Stmt] = [Define(a, a_value, True), Define(m, m_value, True)]
     steps, raw, tail = mean_to_raw(output.variable, m, build.mul(a, Const(even.span)), division, scope)

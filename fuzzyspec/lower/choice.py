@@ -7,6 +7,7 @@ from itertools import product
 from typing import get_args
 
 from fuzzyspec.fixed.program import Division
+from fuzzyspec.lower.cells import applies as cells_apply
 from fuzzyspec.lower.levels import applies as levels_apply
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
@@ -26,7 +27,9 @@ def rules_of(controller: Controller) -> tuple[Rules, ...]:
     """The ways of firing that a controller's rules allow, loops first."""
     if multilinear_applies(controller) or not minors_apply(controller):
         return ("loops",)
-    return ("loops", "minors") if levels_apply(controller) is None else ("loops", "minors", "levels")
+    if levels_apply(controller) is None:
+        return ("loops", "minors")
+    return ("loops", "minors", "levels") if cells_apply(controller) is None else get_args(Rules)
 
 
 def strategies(controller: Controller) -> tuple[Strategy, ...]:

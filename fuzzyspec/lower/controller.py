@@ -26,6 +26,7 @@ from fuzzyspec.fixed.program import (
     Stmt,
 )
 from fuzzyspec.lower.average import AverageNumbers, average
+from fuzzyspec.lower.cells import fire_cells
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
 from fuzzyspec.lower.fire import DEGREE_BITS, Firing, fire
 from fuzzyspec.lower.fuzzify import fuzzify
@@ -73,7 +74,7 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     status: list[StatusBit] = []
     degrees = []
     saturations: list[Stmt] = []
-    evens = levels_apply(controller) if strategy.rules == "levels" else None
+    evens = levels_apply(controller) if strategy.rules in ("levels", "cells") else None
     linear = None
     if multilinear_applies(controller) and controller.cells is not None:
         linear = interpolate(controller, controller.cells, strategy.interpolation, scope)
@@ -86,7 +87,7 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
             status.append(StatusBit(bit, f"{variable.name} was outside its range and was saturated"))
         given = ReadPort(variable.name, variable.raw.ctype, low, high)
         body.append(Comment(f"{item.name}: degrees of {', '.join(t.name for t in item.terms)}"))
-        steps, raw, told = saturated(variable, given, variable.name, bit, scope)
+        steps, raw, told = saturated(variable, given, variable.name, bit, scope, strategy.rules == "levels")
         body += steps
         saturations += told
         steps, found = fuzzify(item, raw, scope, bool(controller.sentences), bare)
@@ -95,7 +96,8 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     means: Means | list[tuple[list[Stmt], Expr, MultilinearNumbers]] | None = None
     if evens is not None and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
-        means = fire_levels(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
+        fire_evens = fire_cells if strategy.rules == "cells" else fire_levels
+        means = fire_evens(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
     elif linear is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE, body=linear.body, tables=linear.tables)
         means, status = linear.outputs, linear.status

@@ -28,13 +28,12 @@ from fuzzyspec.fixed.program import (
     Table,
     Test,
 )
-from fuzzyspec.lower.centroid import CentroidNumbers, SetNumbers, even_mean
+from fuzzyspec.lower.centroid import CentroidNumbers, even_mean, even_sets
 from fuzzyspec.lower.even import (
     HEIGHT_SHIFT,
     MOMENT_BIAS,
     EvenOutput,
     cube,
-    evaluate_even,
     even_output,
     square,
 )
@@ -222,13 +221,9 @@ def _any(terms: Local, bits: int) -> Test:
 
 
 def _mean(t: _Sums, division: Division, scope: Scope) -> tuple[list[Stmt], Expr, CentroidNumbers]:
-    height = Local("h", "uint16", 0, DEGREE_ONE)
-    sets: list[SetNumbers] = []
-    for f in t.even.forms:
-        found = evaluate_even(f, t.even, height, Scope(), "set")
-        count = t.even.halves[f.members[0]] if len(f.members) == 1 else 1
-        sets.append(SetNumbers(f, found.area_error * count, found.moment_error, 0.0, 0.0))
     moment = build.sub_guarded(t.moment, Const(MOMENT_BIAS), build.UINT32_MAX - MOMENT_BIAS)
     comment = Comment(f"centroid of {t.output.name}")
-    steps, raw, numbers = even_mean(t.output, t.even, t.area, moment, tuple(sets), division, scope, rounded=True)
+    steps, raw, numbers = even_mean(
+        t.output, t.even, t.area, moment, even_sets(t.even), division, scope, rounded=True, fires=True
+    )
     return [comment, *steps], raw, numbers

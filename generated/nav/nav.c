@@ -75,7 +75,7 @@ static uint32_t nav_quotient(uint32_t num, uint32_t den)
     return digits;
 }
 
-/* floor(num * 2^16 / den) where num < den, else 2^16; den < 2^24.
+/* floor(num * 2^16 / den) where num < den, else 2^16; den < 2^24, and at least 2^18.
  * A reciprocal from the table, bettered by one Newton step, gives the quotient by 8 bits at once: never too
  * much, and too little by so little that the rest stays below twice the divisor. */
 static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
@@ -86,14 +86,6 @@ static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
         uint32_t rest = num;
         uint32_t divisor = den;
 
-        if (divisor < 4096U) {
-            divisor = divisor << 12U;
-            rest = rest << 12U;
-        }
-        if (divisor < 262144U) {
-            divisor = divisor << 6U;
-            rest = rest << 6U;
-        }
         if (divisor < 2097152U) {
             divisor = divisor << 3U;
             rest = rest << 3U;
@@ -120,23 +112,17 @@ static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
     return digits;
 }
 
-static const uint8_t nav_danger_rules[9] NAV_TABLE = {
-    4U, 4U, 4U, 4U, 2U, 2U, 4U, 2U, 1U
-};
-
-static const uint8_t nav_danger_ddc_covers[32] NAV_TABLE = {
-    0U, 0U, 0U, 0U, 2U, 2U, 0U, 0U, 2U, 2U, 4U, 4U, 3U, 2U, 3U, 2U, 2U, 2U, 8U, 8U, 4U, 4U, 8U,
-    8U, 3U, 2U, 9U, 6U, 4U, 2U, 8U, 4U
-};
-
 nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
 {
     nav_status_t status = NAV_OK;
 
     /* eta_t: degrees of TS, TM, TB */
-    const uint32_t eta_t_raw = in->eta_t;
-    const uint32_t eta_t_over = (eta_t_raw > 49152U) ? (eta_t_raw - 49152U) : 0U;
-    const uint32_t eta_t = eta_t_raw - eta_t_over;
+    uint32_t eta_t = in->eta_t;
+    if (eta_t > 49152U) {
+        eta_t = 49152U;
+        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_T);
+    }
+
     uint32_t eta_t_d = 0U;
     uint32_t eta_t_term = 0U;
     if (eta_t < 24576U) {
@@ -149,9 +135,12 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     }
 
     /* eta_d: degrees of DS, DM, DB */
-    const uint32_t eta_d_raw = in->eta_d;
-    const uint32_t eta_d_over = (eta_d_raw > 32768U) ? (eta_d_raw - 32768U) : 0U;
-    const uint32_t eta_d = eta_d_raw - eta_d_over;
+    uint32_t eta_d = in->eta_d;
+    if (eta_d > 32768U) {
+        eta_d = 32768U;
+        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_D);
+    }
+
     uint32_t eta_d_d = 0U;
     uint32_t eta_d_term = 0U;
     if (eta_d < 16384U) {
@@ -163,82 +152,89 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         eta_d_d = eta_d_u * 2U;
     }
 
-    /* rules: the cell of the larger degrees, and how each smaller degree leaves it */
-    uint32_t cell = (eta_t_term * 3U) + eta_d_term;
-    uint32_t eta_t_key = 0U;
-    if (eta_t_d > 16384U) {
-        eta_t_key = (32768U - eta_t_d) * 65536U;
-        cell = cell + 3U;
+    uint32_t ddc_area = 0U;
+    uint32_t ddc_moment = 0U;
+    if (eta_t_term == 0U) {
+        if (eta_d_term == 0U) {
+            /* between the peaks of TS TM, DS DM */
+            const uint32_t ddc_M_6 = (eta_t_d < eta_d_d) ? eta_t_d : eta_d_d;
+            const uint32_t rest_8 = 32768U - eta_t_d;
+            const uint32_t rest_9 = 32768U - eta_d_d;
+            const uint32_t larger_4 = (eta_d_d > rest_9) ? eta_d_d : rest_9;
+            const uint32_t ddc_B_3 = (rest_8 < larger_4) ? rest_8 : larger_4;
+            const uint32_t rest_10 = 32768U - eta_d_d;
+            const uint32_t ddc_B_4 = (eta_t_d < rest_10) ? eta_t_d : rest_10;
+            const uint32_t ddc_B_5 = (ddc_B_3 > ddc_B_4) ? ddc_B_3 : ddc_B_4;
+            const uint32_t ddc_M_square_6 = (ddc_M_6 * ddc_M_6) >> 8U;
+            const uint32_t ddc_M_part_6 = (ddc_M_6 << 8U) - ddc_M_square_6;
+            const uint32_t ddc_B_square_3 = (ddc_B_5 * ddc_B_5) >> 8U;
+            const uint32_t ddc_B_part_3 = (ddc_B_5 << 8U) - ddc_B_square_3;
+            const uint32_t ddc_both_4 = (ddc_M_6 < ddc_B_5) ? ddc_M_6 : ddc_B_5;
+            const uint32_t ddc_M_c_3 = ddc_both_4;
+            const uint32_t ddc_M_square_7 = (ddc_M_c_3 * ddc_M_c_3) >> 8U;
+            const uint32_t ddc_M_part_7 = (ddc_M_c_3 << 8U) - (ddc_M_square_7 * 2U);
+            ddc_area = (ddc_M_part_6 * 2U) + (ddc_B_part_3 * 2U) - ddc_M_part_7;
+            ddc_moment = (ddc_M_part_6 * 4U) + (ddc_B_part_3 * 8U) - (ddc_M_part_7 * 3U);
+        } else {
+            /* between the peaks of TS TM, DM DB */
+            const uint32_t rest_6 = 32768U - eta_d_d;
+            const uint32_t larger_3 = (eta_d_d > rest_6) ? eta_d_d : rest_6;
+            const uint32_t ddc_M_5 = (eta_t_d < larger_3) ? eta_t_d : larger_3;
+            const uint32_t rest_7 = 32768U - eta_t_d;
+            const uint32_t ddc_B_2 = (rest_7 < larger_3) ? rest_7 : larger_3;
+            const uint32_t ddc_M_square_4 = (ddc_M_5 * ddc_M_5) >> 8U;
+            const uint32_t ddc_M_part_4 = (ddc_M_5 << 8U) - ddc_M_square_4;
+            const uint32_t ddc_B_square_2 = (ddc_B_2 * ddc_B_2) >> 8U;
+            const uint32_t ddc_B_part_2 = (ddc_B_2 << 8U) - ddc_B_square_2;
+            const uint32_t ddc_both_3 = (ddc_M_5 < ddc_B_2) ? ddc_M_5 : ddc_B_2;
+            const uint32_t ddc_M_c_2 = ddc_both_3;
+            const uint32_t ddc_M_square_5 = (ddc_M_c_2 * ddc_M_c_2) >> 8U;
+            const uint32_t ddc_M_part_5 = (ddc_M_c_2 << 8U) - (ddc_M_square_5 * 2U);
+            ddc_area = (ddc_M_part_4 * 2U) + (ddc_B_part_2 * 2U) - ddc_M_part_5;
+            ddc_moment = (ddc_M_part_4 * 4U) + (ddc_B_part_2 * 8U) - (ddc_M_part_5 * 3U);
+        }
+    } else if (eta_d_term == 0U) {
+        /* between the peaks of TM TB, DS DM */
+        const uint32_t rest_4 = 32768U - eta_t_d;
+        const uint32_t larger_2 = (eta_t_d > rest_4) ? eta_t_d : rest_4;
+        const uint32_t ddc_M_4 = (larger_2 < eta_d_d) ? larger_2 : eta_d_d;
+        const uint32_t rest_5 = 32768U - eta_d_d;
+        const uint32_t ddc_B = (larger_2 < rest_5) ? larger_2 : rest_5;
+        const uint32_t ddc_M_square_2 = (ddc_M_4 * ddc_M_4) >> 8U;
+        const uint32_t ddc_M_part_2 = (ddc_M_4 << 8U) - ddc_M_square_2;
+        const uint32_t ddc_B_square = (ddc_B * ddc_B) >> 8U;
+        const uint32_t ddc_B_part = (ddc_B << 8U) - ddc_B_square;
+        const uint32_t ddc_both_2 = (ddc_M_4 < ddc_B) ? ddc_M_4 : ddc_B;
+        const uint32_t ddc_M_c = ddc_both_2;
+        const uint32_t ddc_M_square_3 = (ddc_M_c * ddc_M_c) >> 8U;
+        const uint32_t ddc_M_part_3 = (ddc_M_c << 8U) - (ddc_M_square_3 * 2U);
+        ddc_area = (ddc_M_part_2 * 2U) + (ddc_B_part * 2U) - ddc_M_part_3;
+        ddc_moment = (ddc_M_part_2 * 4U) + (ddc_B_part * 8U) - (ddc_M_part_3 * 3U);
     } else {
-        eta_t_key = (eta_t_d * 65536U) + 6U;
-    }
-
-    uint32_t eta_d_key = 0U;
-    if (eta_d_d > 16384U) {
-        eta_d_key = ((32768U - eta_d_d) * 65536U) + 2U;
-        cell = cell + 1U;
-    } else {
-        eta_d_key = (eta_d_d * 65536U) + 4U;
-    }
-    if (eta_t_key < eta_d_key) {
-        const uint32_t kept = eta_t_key;
-        eta_t_key = eta_d_key;
-        eta_d_key = kept;
-    }
-
-    const uint32_t minor = eta_t_key >> 16U;
-    const int32_t step = (int32_t)(eta_t_key & 65535U) - 3;
-    const uint32_t minor_2 = eta_d_key >> 16U;
-    const int32_t step_2 = (int32_t)(eta_d_key & 65535U) - 3;
-    const uint32_t majors = 32768U - minor;
-
-    /* terms by levels, the strongest first: what they cover between one level and the next */
-    uint32_t ddc_area = 8U;
-    uint32_t ddc_moment = 8388616U;
-    const uint32_t terms = NAV_READ_U8(nav_danger_rules, cell);
-    const uint32_t level_square = (majors * majors) >> 8U;
-    uint32_t seen = terms;
-    const uint32_t cell_2 = (uint32_t)((int32_t)cell + step);
-    const uint32_t terms_2 = NAV_READ_U8(nav_danger_rules, cell_2);
-    const uint32_t level_square_2 = (minor * minor) >> 8U;
-    const uint32_t drop = (majors - minor) << 8U;
-    const uint32_t drop_square = level_square - level_square_2;
-    const uint32_t ddc_row = seen * 4U;
-    ddc_area = ddc_area + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row) * drop)
-        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row + 1U) * drop_square);
-    ddc_moment = ddc_moment + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row + 2U) * drop)
-        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row + 3U) * drop_square);
-    seen = seen | terms_2;
-    const uint32_t cell_3 = (uint32_t)((int32_t)cell + step_2);
-    const uint32_t cell_4 = (uint32_t)((int32_t)cell_2 + step_2);
-    const uint32_t terms_3 = (uint32_t)NAV_READ_U8(nav_danger_rules,
-        cell_3) | NAV_READ_U8(nav_danger_rules, cell_4);
-    const uint32_t level_square_3 = (minor_2 * minor_2) >> 8U;
-    const uint32_t drop_2 = (minor - minor_2) << 8U;
-    const uint32_t drop_square_2 = level_square_2 - level_square_3;
-    const uint32_t ddc_row_2 = seen * 4U;
-    ddc_area = ddc_area + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_2) * drop_2)
-        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_2 + 1U) * drop_square_2);
-    ddc_moment = ddc_moment + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_2 + 2U) * drop_2)
-        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_2 + 3U) * drop_square_2);
-    seen = seen | terms_3;
-    const uint32_t drop_3 = minor_2 << 8U;
-    const uint32_t drop_square_3 = level_square_3;
-    const uint32_t ddc_row_3 = seen * 4U;
-    ddc_area = ddc_area + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_3) * drop_3)
-        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_3 + 1U) * drop_square_3);
-    ddc_moment = ddc_moment + (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_3 + 2U) * drop_3)
-        - (NAV_READ_U8(nav_danger_ddc_covers, ddc_row_3 + 3U) * drop_square_3);
-    if (eta_t_over != 0U) {
-        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_T);
-    }
-    if (eta_d_over != 0U) {
-        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_D);
+        /* between the peaks of TM TB, DM DB */
+        const uint32_t ddc_S = (eta_t_d < eta_d_d) ? eta_t_d : eta_d_d;
+        const uint32_t rest = 32768U - eta_t_d;
+        const uint32_t rest_2 = 32768U - eta_d_d;
+        const uint32_t larger = (eta_d_d > rest_2) ? eta_d_d : rest_2;
+        const uint32_t ddc_M = (rest < larger) ? rest : larger;
+        const uint32_t rest_3 = 32768U - eta_d_d;
+        const uint32_t ddc_M_2 = (eta_t_d < rest_3) ? eta_t_d : rest_3;
+        const uint32_t ddc_M_3 = (ddc_M > ddc_M_2) ? ddc_M : ddc_M_2;
+        const uint32_t ddc_S_square = (ddc_S * ddc_S) >> 8U;
+        const uint32_t ddc_S_part = (ddc_S << 8U) - ddc_S_square;
+        const uint32_t ddc_M_square = (ddc_M_3 * ddc_M_3) >> 8U;
+        const uint32_t ddc_M_part = (ddc_M_3 << 8U) - ddc_M_square;
+        const uint32_t ddc_both = (ddc_S < ddc_M_3) ? ddc_S : ddc_M_3;
+        const uint32_t ddc_S_c = ddc_both;
+        const uint32_t ddc_S_square_2 = (ddc_S_c * ddc_S_c) >> 8U;
+        const uint32_t ddc_S_part_2 = (ddc_S_c << 8U) - (ddc_S_square_2 * 2U);
+        ddc_area = (ddc_S_part * 2U) + (ddc_M_part * 2U) - ddc_S_part_2;
+        ddc_moment = (ddc_M_part * 4U) - ddc_S_part_2;
     }
 
     /* centroid of ddc */
-    const uint32_t ddc_a = ddc_area >> 4U;
-    const uint32_t ddc_m = (ddc_moment - 8388608U) >> 4U;
+    const uint32_t ddc_a = (ddc_area + 8U) >> 4U;
+    const uint32_t ddc_m = (ddc_moment + 8U) >> 4U;
     const uint32_t ddc_t = nav_quotient_2(ddc_m, ddc_a * 4U);
     const uint32_t ddc_steps = (ddc_t + 1U) >> 1U;
     out->ddc = (uint16_t)ddc_steps;
@@ -667,11 +663,13 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
 {
     nav_status_t status = NAV_OK;
 
-    const int32_t target_bearing_raw = in->target_bearing;
-    const int32_t target_bearing_risen = (target_bearing_raw > -23040) ? target_bearing_raw
-        : (-23040);
-    const int32_t target_bearing = (target_bearing_risen < 23040) ? target_bearing_risen : 23040;
-    if (target_bearing_raw != target_bearing) {
+    int32_t target_bearing = in->target_bearing;
+    if (target_bearing < -23040) {
+        target_bearing = -23040;
+        status = (nav_status_t)(status | NAV_SATURATED_TARGET_BEARING);
+    }
+    if (target_bearing > 23040) {
+        target_bearing = 23040;
         status = (nav_status_t)(status | NAV_SATURATED_TARGET_BEARING);
     }
 
@@ -687,28 +685,28 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
     for (uint32_t n = 0U; n < obstacles_used; ++n) {
         const nav_obstacle_t *const obstacle = &in->obstacles[n];
 
-        const uint32_t distance_raw = obstacle->distance;
-        const uint32_t distance_over = (distance_raw > 32768U) ? (distance_raw - 32768U) : 0U;
-        const uint32_t distance = distance_raw - distance_over;
-        if (distance_over != 0U) {
+        uint32_t distance = obstacle->distance;
+        if (distance > 32768U) {
+            distance = 32768U;
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_DISTANCE);
         }
-        const int32_t bearing_raw = obstacle->bearing;
-        const int32_t bearing_risen = (bearing_raw > -23040) ? bearing_raw : (-23040);
-        const int32_t bearing = (bearing_risen < 23040) ? bearing_risen : 23040;
-        if (bearing_raw != bearing) {
+        int32_t bearing = obstacle->bearing;
+        if (bearing < -23040) {
+            bearing = -23040;
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_BEARING);
         }
-        const uint32_t speed_raw = obstacle->speed;
-        const uint32_t speed_over = (speed_raw > 32768U) ? (speed_raw - 32768U) : 0U;
-        const uint32_t speed = speed_raw - speed_over;
-        if (speed_over != 0U) {
+        if (bearing > 23040) {
+            bearing = 23040;
+            status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_BEARING);
+        }
+        uint32_t speed = obstacle->speed;
+        if (speed > 32768U) {
+            speed = 32768U;
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_SPEED);
         }
-        const uint32_t radius_raw = obstacle->radius;
-        const uint32_t radius_over = (radius_raw > 32768U) ? (radius_raw - 32768U) : 0U;
-        const uint32_t radius = radius_raw - radius_over;
-        if (radius_over != 0U) {
+        uint32_t radius = obstacle->radius;
+        if (radius > 32768U) {
+            radius = 32768U;
             status = (nav_status_t)(status | NAV_SATURATED_OBSTACLES_RADIUS);
         }
 

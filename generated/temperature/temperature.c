@@ -89,9 +89,16 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
     temperature_status_t status = TEMPERATURE_OK;
 
     /* error: degrees of cold, near, hot */
-    const int32_t error_raw = in->error;
-    const int32_t error_risen = (error_raw > -1000) ? error_raw : (-1000);
-    const int32_t error = (error_risen < 1000) ? error_risen : 1000;
+    int32_t error = in->error;
+    if (error < -1000) {
+        error = -1000;
+        status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_ERROR);
+    }
+    if (error > 1000) {
+        error = 1000;
+        status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_ERROR);
+    }
+
     const uint32_t error_at = (uint32_t)(error + 1000);
     uint32_t error_d = 0U;
     uint32_t error_term = 0U;
@@ -113,9 +120,12 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
     error_mu[error_term + 1U] = (uint16_t)error_d;
 
     /* rate: degrees of falling, steady, rising */
-    const uint32_t rate_raw = in->rate;
-    const uint32_t rate_over = (rate_raw > 4095U) ? (rate_raw - 4095U) : 0U;
-    const uint32_t rate = rate_raw - rate_over;
+    uint32_t rate = in->rate;
+    if (rate > 4095U) {
+        rate = 4095U;
+        status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_RATE);
+    }
+
     uint16_t rate_mu[3];
     for (uint32_t k_2 = 0U; k_2 < 3U; ++k_2) {
         rate_mu[k_2] = 0U;
@@ -199,12 +209,6 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
     }
     if (weighted > duty_strongest) {
         duty_strongest = weighted;
-    }
-    if (error_raw != error) {
-        status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_ERROR);
-    }
-    if (rate_over != 0U) {
-        status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_RATE);
     }
 
     /* duty fires where its strongest rule reaches 4096/32768 */
@@ -304,24 +308,29 @@ temperature_status_t temperature_step(temperature_state_t *state,
 {
     temperature_status_t status = TEMPERATURE_OK;
 
-    const int32_t measured_raw = in->measured;
-    const int32_t measured_risen = (measured_raw > -5120) ? measured_raw : (-5120);
-    const int32_t measured = (measured_risen < 20480) ? measured_risen : 20480;
-    if (measured_raw != measured) {
+    int32_t measured = in->measured;
+    if (measured < -5120) {
+        measured = -5120;
+        status = (temperature_status_t)(status | TEMPERATURE_SATURATED_MEASURED);
+    }
+    if (measured > 20480) {
+        measured = 20480;
         status = (temperature_status_t)(status | TEMPERATURE_SATURATED_MEASURED);
     }
 
-    const uint32_t set_point_raw = in->set_point;
-    const uint32_t set_point_risen = (set_point_raw > 10240U) ? set_point_raw : 10240U;
-    const uint32_t set_point = (set_point_risen < 40960U) ? set_point_risen : 40960U;
-    if (set_point_raw != set_point) {
+    uint32_t set_point = in->set_point;
+    if (set_point < 10240U) {
+        set_point = 10240U;
+        status = (temperature_status_t)(status | TEMPERATURE_SATURATED_SET_POINT);
+    }
+    if (set_point > 40960U) {
+        set_point = 40960U;
         status = (temperature_status_t)(status | TEMPERATURE_SATURATED_SET_POINT);
     }
 
-    const uint32_t rate_raw = in->rate;
-    const uint32_t rate_over = (rate_raw > 4095U) ? (rate_raw - 4095U) : 0U;
-    const uint32_t rate = rate_raw - rate_over;
-    if (rate_over != 0U) {
+    uint32_t rate = in->rate;
+    if (rate > 4095U) {
+        rate = 4095U;
         status = (temperature_status_t)(status | TEMPERATURE_SATURATED_RATE);
     }
 

@@ -82,9 +82,12 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
     tipper_status_t status = TIPPER_OK;
 
     /* service: degrees of poor, good, excellent */
-    const uint32_t service_raw = in->service;
-    const uint32_t service_over = (service_raw > 40960U) ? (service_raw - 40960U) : 0U;
-    const uint32_t service = service_raw - service_over;
+    uint32_t service = in->service;
+    if (service > 40960U) {
+        service = 40960U;
+        status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_SERVICE);
+    }
+
     uint32_t service_d = 0U;
     uint32_t service_term = 0U;
     if (service < 20480U) {
@@ -105,9 +108,12 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
     service_mu[service_term + 1U] = (uint16_t)service_d;
 
     /* food: degrees of rancid, delicious */
-    const uint32_t food_raw = in->food;
-    const uint32_t food_over = (food_raw > 40960U) ? (food_raw - 40960U) : 0U;
-    const uint32_t food = food_raw - food_over;
+    uint32_t food = in->food;
+    if (food > 40960U) {
+        food = 40960U;
+        status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_FOOD);
+    }
+
     uint16_t food_mu[2];
     for (uint32_t k_2 = 0U; k_2 < 2U; ++k_2) {
         food_mu[k_2] = 0U;
@@ -155,12 +161,6 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
         : food_is_delicious;
     if (either_2 > tip_level[2U]) {
         tip_level[2U] = (uint16_t)either_2;
-    }
-    if (service_over != 0U) {
-        status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_SERVICE);
-    }
-    if (food_over != 0U) {
-        status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_FOOD);
     }
 
     /* centroid of tip: area and moment of the union of the clipped terms */
