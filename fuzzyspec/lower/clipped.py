@@ -68,6 +68,7 @@ class ClippedSet:
         return last.area + _integral(last.width, last.start, last.end)
 
 
+@lru_cache(maxsize=256)
 def clipped_sets(output: Output) -> tuple[ClippedSet, ...]:
     """Every set of terms with common support, singles first, then by size and members. Raises TooManySets."""
     shapes = [_segments(output, k) for k in range(len(output.terms))]

@@ -1,0 +1,63 @@
+"""What a feature costs on a machine: the weights that ship with the compiler, and how far they were off.
+
+``weights.json`` is written by ``scripts/fit_costs.py`` from the measurements in ``benchmarks/measured_costs.json``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Literal
+
+from fuzzyspec.estimate.features import Features
+
+Option = Literal["O2", "Os"]
+Figure = Literal["instructions", "cycles", "flash", "stack"]
+MACHINES = ("cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr")
+
+
+@dataclass(frozen=True)
+class Weights:
+    """One figure on one machine under one option of the compiler.
+
+    ``by`` is keyed by feature, or by what stands before its point. The others are relative errors on the specs that
+    were held out of a fit: half of them, nine in ten of them, and all of them were no further off.
+    """
+
+    by: Mapping[str, float]
+    median: float
+    nine_in_ten: float
+    worst: float
+
+    def of(self, features: Features) -> float:
+        """The weight of features that occur so often."""
+        by = self.by
+        found = 0.0
+        for name, count in features.items():
+            weight = by.get(name)
+            found += count * (by.get(name.partition(".")[0], 0.0) if weight is None else weight)
+        return found
+
+
+def weights(machine: str, option: Option, figure: Figure) -> Weights | None:
+    """None where there is no honest figure: instructions on AVR, cycles on all but it and the Cortex-M0+.
+
+    Raises KeyError for a machine that was never measured.
+    """
+    return _all()[machine].get((option, figure))
+
+
+@cache
+def _all() -> Mapping[str, Mapping[tuple[str, str], Weights]]:
+    data = json.loads(files("fuzzyspec.estimate").joinpath("weights.json").read_text(encoding="utf-8"))
+    return {
+        machine: {
+            (option, figure): Weights(found["weights"], found["median"], found["nine_in_ten"], found["worst"])
+            for option, figures in options.items()
+            for figure, found in figures.items()
+        }
+        for machine, options in data["machines"].items()
+    }
