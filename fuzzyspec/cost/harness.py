@@ -80,12 +80,25 @@ def print_emulated_harness(program: Program) -> str:
     return "\n".join(lines)
 
 
-def print_avr_harness(program: Program, function: str) -> str:
+_WRAPS = """
+static volatile uint8_t wraps;
+
+ISR(TIMER2_OVF_vect)
+{
+    ++wraps;
+}
+"""
+
+
+def print_avr_harness(program: Program, function: str, *, long_calls: bool = False) -> str:
     """A program for one function: each case's result in hex on the serial port, with the timers around the call.
 
     A line a case: the result's bytes, a blank, then low byte first timer 1 before and after (16 bits, one count a
-    cycle) and timer 2 after (8 bits, one count in 1024 cycles, from 0) with its overflow flag. The first line is the
-    same for a function that returns at once, the last is ``S`` with the stack in bytes, return address included.
+    cycle) and timer 2 after (8 bits, one count in 1024 cycles, from 0) with how often it overflowed. The first line is
+    the same for a function that returns at once, the last is ``S`` with the stack in bytes, return address included.
+
+    Overflows are told by a flag, which is enough for half a million cycles. With ``long_calls`` an interrupt counts
+    them: some 30 cycles in 262,144 are then its own, and up to 7 bytes of the stack.
     """
     names = name_module(program)
     layout = layout_of(program, program.function(function), names)
@@ -93,13 +106,18 @@ def print_avr_harness(program: Program, function: str) -> str:
     state = f"{c.state_t} *state, " if layout.state else ""
     passed = "state, in, out" if layout.state else "in, out"
     parameters = f"{state}const {c.input_t} *in, {c.output_t} *out"
-    lines = [f'#include "{names.header}"', _AVR, _READERS]
+    lines = [f'#include "{names.header}"', _AVR, *([_WRAPS] if long_calls else []), _READERS]
     lines += [f"typedef {names.status_t} called({parameters});", ""]
     # Through a pointer, so that an empty function is called by the very same instructions: their cost cancels out.
     lines += [f"static __attribute__((noinline)) {names.status_t} timed(called *function, {parameters})", "{"]
     lines += [f"    {names.status_t} status;", "    TCNT2 = 0;", "    TIFR2 = (1 << TOV2);", "    level = SP;"]
+    lines += ["    wraps = 0;", "    TIMSK2 = (1 << TOIE2);", "    sei();"] if long_calls else []
     lines += ["    before = TCNT1;", f"    status = function({passed});", "    after = TCNT1;"]
-    lines += ["    coarse = TCNT2;", "    overflown = TIFR2 & (1 << TOV2);", "    return status;", "}", ""]
+    # A flag that is still up after the interrupts are off was nobody's: the timer had just overflowed.
+    lines += ["    cli();"] if long_calls else []
+    lines += ["    coarse = TCNT2;", "    overflown = TIFR2 & (1 << TOV2);"]
+    lines += ["    overflown = (uint8_t)(overflown + wraps);"] if long_calls else []
+    lines += ["    return status;", "}", ""]
     lines += [f"static __attribute__((naked, noinline)) {names.status_t} nothing({parameters})", "{"]
     lines += ['    __asm__ volatile ("ret");', "}", ""]
     lines += ["INLINE void times(void)", "{", "    send(' ');"]

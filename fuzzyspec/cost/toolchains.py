@@ -95,7 +95,8 @@ class CrossCompiler:
         """An image laid out by a linker script: the roots, what they need, and nothing else. Raises BuildError."""
         wanted = [f"-Wl,-u,{name}" for name in roots]
         flags = ("-nostdlib", f"-Wl,-T,{script.name}", "-Wl,--gc-sections", f"-Wl,-e,{roots[0]}", *wanted)
-        self.toolchain.build(objects, made, flags, ("-lcompiler_rt",) if self.kind == "zig" else ("-lgcc",))
+        libraries = ("-lm", "-lgcc") if self.target.machine == "avr" else ("-lgcc",)  # AVR's floats are in avr-libc
+        self.toolchain.build(objects, made, flags, ("-lcompiler_rt",) if self.kind == "zig" else libraries)
 
 
 def find_compiler(target: Target, kind: Kind | None = None) -> CrossCompiler:
