@@ -18,7 +18,7 @@ ifneq ($(shell "$(PYTHON)" -V 2>&1),$(shell .venv/bin/python -V 2>&1))
 endif
 endif
 
-.PHONY: help demo test lint pytest test-long wheel generated clean compiler
+.PHONY: help demo test lint pytest test-long wheel generated bench clean compiler
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -47,6 +47,9 @@ wheel: .venv/for-test ## build the wheel, install it into an empty environment, 
 generated: .venv/for-test ## bring generated/ up to date with the examples, and the parser's table with the grammar
 	@$(BIN)/python -m fuzzyspec.syntax.generate
 	@for name in $(EXAMPLES); do $(BIN)/fuzzyc compile "examples/$$name.fz" -o "generated/$$name" || exit $$?; done
+
+bench: .venv/for-bench ## measure cost and error beside lookup tables, float C and libraries; write docs/benchmarks.md
+	@$(BIN)/python -m benchmarks --json out/benchmarks.json
 
 clean: ## remove what make made, .venv too
 	rm -rf .venv out build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
@@ -79,3 +82,8 @@ compiler: .venv/made-in
 	@echo "installing fuzzyc and what its tests need into .venv"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[sim,test]'
 	@touch $@ .venv/for-demo
+
+.venv/for-bench: .venv/made-in pyproject.toml constraints.txt | compiler
+	@echo "installing fuzzyc and what its benchmarks need into .venv"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
+	@touch $@

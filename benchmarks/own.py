@@ -13,9 +13,8 @@ import numpy.typing as npt
 
 from benchmarks.baselines import SAMPLES, DoesNotFit, Lookup, float_c, lookup_c, lookup_of
 from benchmarks.baselines.interface import alone, product_files
-from benchmarks.workloads import Error, Ints, Workload, error_of, ranges_of
+from benchmarks.workloads import Error, Ints, Workload, error_of, load, ranges_of
 from fuzzyspec.cost import TARGETS, Conditions, CrossCompiler, Record, find_compiler, measure
-from fuzzyspec.estimate.inputs import draw_cases
 from fuzzyspec.exact import dequantise
 from fuzzyspec.fixed.program import Program
 from fuzzyspec.fixed.run import Run, run
@@ -32,12 +31,16 @@ FPU = ("-mfpu=fpv4-sp-d16", "-mfloat-abi=softfp")
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """``cost_inputs`` for fuzzyc and the tables, ``float_inputs`` for float C (thousands of times as slow to emulate, and
-    nearly the same for all inputs), ``error_inputs`` for the errors; ``options`` of the compilers."""
+    """``cost_inputs`` for fuzzyc and the tables, ``error_inputs`` for errors.
+
+    Float C gets ``float_inputs``: it is thousands of times as slow to emulate and nearly the same for all. Where it
+    need not sample it gets ``single_inputs``.
+    """
 
     targets: tuple[str, ...]
     cost_inputs: int = 1_000
-    float_inputs: int = 12
+    float_inputs: int = 4
+    single_inputs: int = 100
     error_inputs: int = 10_000
     compiler: Literal["gcc", "zig"] | None = None
 
@@ -74,8 +77,10 @@ def measure_own(workload: Workload, kind: Kind, targets: tuple[str, ...], effort
     try:
         if controller is None:
             raise DoesNotFit("a baseline is one controller")
-        return _lookup(workload, controller, targets, effort) if kind == "lookup table" else _float(
-            workload, controller, targets, effort
+        return (
+            _lookup(workload, controller, targets, effort)
+            if kind == "lookup table"
+            else _float(workload, controller, targets, effort)
         )
     except DoesNotFit as reason:
         return Entry(workload.name, kind, left_out=str(reason))
@@ -84,9 +89,8 @@ def measure_own(workload: Workload, kind: Kind, targets: tuple[str, ...], effort
 def _fuzzyc(workload: Workload, targets: tuple[str, ...], effort: Effort) -> Entry:
     spec, name = workload.spec, workload.function
 
-    @cache
     def files(target: Any, option: str) -> Mapping[str, bytes]:
-        return spec.compile(Options(optimize="size" if option == "Os" else "speed", target=target)).files
+        return _generated(workload.file, target, option)
 
     conditions = Conditions(_compilers(targets, effort), inputs=effort.cost_inputs, only=(name,))
     measured = measure(spec.lowered.program, files, conditions)
@@ -103,6 +107,12 @@ def _fuzzyc(workload: Workload, targets: tuple[str, ...], effort: Effort) -> Ent
         error_of(found.outputs, exact.outputs, ranges_of(workload)),
         float(max(certified)),
     )
+
+
+@cache
+def _generated(file: str, target: Any, option: str) -> Mapping[str, bytes]:
+    """As ``fuzzyc cost`` compiles it: for speed under -O2, for size under -Os. One file may hold several workloads."""
+    return load(file).compile(Options(optimize="size" if option == "Os" else "speed", target=target)).files
 
 
 def _lookup(workload: Workload, controller: Controller, targets: tuple[str, ...], effort: Effort) -> Entry:
@@ -128,19 +138,20 @@ def _float(workload: Workload, controller: Controller, targets: tuple[str, ...],
     spec = workload.spec
     program = alone(spec.lowered.program, controller)
     files = product_files(program, spec.compile().files, float_c(program, controller))
-    n = effort.float_inputs if spec.controllers[controller.name].infer.defuzzify == "centroid" else effort.cost_inputs // 10
+    sampled = controller.infer.defuzzify == "centroid"
+    n = effort.float_inputs if sampled else effort.single_inputs
     with NativeModule(program, files) as native:
 
         def meaning(function: str, inputs: Mapping[str, Ints], state: object) -> Run:
             return replace(run(program, function, inputs), outputs=native.run(function, inputs).outputs)
 
-        conditions = Conditions(_with_fpu(_compilers(targets, effort)), inputs=max(1, n), long_calls=True)
+        conditions = Conditions(_with_fpu(_compilers(targets, effort)), inputs=n, long_calls=True)
         slack = float_slack(program, controller)
         measured = measure(program, lambda _, __: files, conditions, meaning=meaning, slack=slack)
         if measured.mismatches:
             raise WrongResult(f"{workload.name}, float C: {measured.mismatches[0]}")
         error = _error(workload, native.run(controller.name, workload.cases(effort.error_inputs)).outputs, effort)
-    form = f"{SAMPLES} samples" if controller.infer.defuzzify == "centroid" else "singletons"
+    form = f"{SAMPLES} samples" if sampled else "singletons"
     return Entry(workload.name, "float C", measured.records, error, form=form)
 
 

@@ -34,7 +34,7 @@ class Workload:
     @property
     def spec(self) -> Spec:
         """The checked spec."""
-        return _load(self.file)
+        return load(self.file)
 
     @property
     def controller(self) -> Controller | None:
@@ -50,7 +50,8 @@ class Workload:
 
 
 @cache
-def _load(file: str) -> Spec:
+def load(file: str) -> Spec:
+    """A spec of this repository, checked once."""
     return api.load(ROOT / file)
 
 
@@ -68,8 +69,15 @@ WORKLOADS = (
     *_both("W3", "velocity", "4 inputs of 3 terms, 81 rules, 2 outputs, centroid"),
     *_both("W3s", "velocity", "W3 with product, singletons and weighted average"),
     Workload("nav danger", "examples/nav.fz", "danger", "the robot's first layer"),
-    Workload("nav velocity", "examples/nav.fz", "velocity", "its second layer: behaviors over 81 cells, 2 outputs, acting"),
-    Workload("nav step", "examples/nav.fz", "nav", "the whole step: up to 16 obstacles through the first layer, then the second"),
+    Workload(
+        "nav velocity", "examples/nav.fz", "velocity", "its second layer: behaviors over 81 cells, 2 outputs, acting"
+    ),
+    Workload(
+        "nav step",
+        "examples/nav.fz",
+        "nav",
+        "the whole step: up to 16 obstacles through the first layer, then the second",
+    ),
 )
 
 

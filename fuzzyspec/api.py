@@ -255,9 +255,12 @@ class Spec:
 
     @cached_property
     def _native(self) -> NativeModule:
+        from fuzzyspec.lower import Options
         from fuzzyspec.native import NativeModule
 
-        return NativeModule(self.lowered.program, self.compile().files)
+        # Of the targets it is a Cortex-M7 that is most like a host: every choice computes the same, this one fastest.
+        files = self.compile(Options(optimize="speed", target="cortex-m7")).files
+        return NativeModule(self.lowered.program, files)
 
     def _raws(self, subject: Subject, inputs: Signals, raw: bool) -> tuple[dict[str, npt.NDArray[Any]], int]:
         from fuzzyspec.fixed.quantise import quantise

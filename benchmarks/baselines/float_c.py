@@ -49,7 +49,9 @@ def float_c(program: Program, controller: Controller) -> str:
         places=[o["places"] for o in outputs] if averages else [],
         centroids=not averages,
         minimum=infer.and_ == "min" or (not averages and infer.implies == "min"),
-        implied="minimum(degree(&terms[k], y), level[k])" if infer.implies == "min" else "degree(&terms[k], y) * level[k]",
+        implied="minimum(degree(&terms[k], y), level[k])"
+        if infer.implies == "min"
+        else "degree(&terms[k], y) * level[k]",
         cells=len(cells.owner),
         owners=owners,
         acting_member=interface.c.outputs["acting"] if owners else "",
@@ -104,7 +106,6 @@ def _input(c: InputC, of: Input) -> dict[str, Any]:
 
 def _output(interface: Interface, port: Port, of: Output, consequents: list[int], averages: bool) -> dict[str, Any]:
     member = interface.c.outputs[port.name]
-    raw = of.variable.raw
     count = len(of.terms)
     step = (of.integrate_hi - of.integrate_lo) / (SAMPLES - 1)
     sampled = f"centroid({member}_terms, {member}_level, {count}U, {_float(of.integrate_lo)}, {_float(step)})"

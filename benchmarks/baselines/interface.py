@@ -8,8 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fuzzyspec.emit.ctypes import LIMITS, signed
+from fuzzyspec.emit.ctypes import signed
 from fuzzyspec.emit.names import FunctionNames, Names, name_module
+from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.program import Port, Program
 from fuzzyspec.model.controller import Controller
 
@@ -64,9 +65,7 @@ def interface_of(program: Program, controller: Controller) -> Interface:
         member = c.inputs[port.name]
         u = "" if signed(port.ctype) else "U"
         lo, hi = f"{port.lo}{u}", f"{port.hi}{u}"
-        inputs.append(
-            InputC(member, f"{member}_raw", f"{port.ctype}_t", lo, hi, bit, low < port.lo, high > port.hi)
-        )
+        inputs.append(InputC(member, f"{member}_raw", f"{port.ctype}_t", lo, hi, bit, low < port.lo, high > port.hi))
     return Interface(names, c, tuple(inputs))
 
 

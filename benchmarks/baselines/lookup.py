@@ -85,7 +85,8 @@ class Lookup:
         low = self._interpolated(table, places, *before, node)
         high = self._interpolated(table, places, *before, node + 1)
         one = 1 << self.bits
-        return (low * (one - part) + high * part + one // 2) >> self.bits
+        joined: Ints = (low * (one - part) + high * part + one // 2) >> self.bits
+        return joined
 
 
 def lookup_of(controller: Controller, exact: Exact) -> Lookup:
@@ -114,7 +115,7 @@ def lookup_of(controller: Controller, exact: Exact) -> Lookup:
 
 
 def _axis(name: str, lo: int, hi: int, bits: int) -> Axis:
-    """The finest multiplier whose product stays within 32 bits; rounded up, so that the top raw reaches the top node."""
+    """The finest multiplier whose product stays within 32 bits, rounded up: the top raw is to reach the top node."""
     span, whole = hi - lo, 1 << _PLACE_BITS
     for shift in range(16, -1, -1):
         multiplier = math.ceil(Fraction(whole << shift, span))
