@@ -34,14 +34,13 @@ class Reciprocal:
 
 @dataclass(frozen=True, slots=True)
 class Divider:
-    """A function and its template. The quotient's ``digits`` have ``bits`` bits each."""
+    """A function and its template, the ``domain`` of its divisor in words. The ``digits`` have ``bits`` bits each."""
 
     name: str
     template: str
-    largest_bits: int
+    domain: str
     bits: int
     digits: int
-    smallest_bits: int
     reciprocal: Reciprocal
 
 
@@ -51,12 +50,22 @@ def divider(kernel: Kernel, name: str) -> Divider:
     return Divider(
         name,
         f"quotient_{kernel.by}{suffix}.c.j2",
-        kernel.largest_bits,
+        _domain(kernel),
         kernel.digit_bits,
         QUOTIENT_BITS // kernel.digit_bits,
-        kernel.smallest_bits,
         _reciprocal(kernel),
     )
+
+
+def _domain(kernel: Kernel) -> str:
+    match kernel.by:
+        case "loop" | "rounds" | "unrolled":
+            return "den < 2^31"
+        case "hardware":
+            return f"den < 2^{32 - kernel.digit_bits}"
+        case "reciprocal":
+            low = f"2^{kernel.smallest_bits - 1} <= " if kernel.smallest_bits > 1 else ""
+            return f"{low}den <= 2^{kernel.width}"
 
 
 def _reciprocal(kernel: Kernel) -> Reciprocal:

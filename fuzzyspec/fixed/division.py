@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from fuzzyspec.fixed.program import Division, Quotient
 
 HARDWARE_BITS = 28
-"""Divisors of at most so many bits leave room to shift a remainder up by 4."""
+"""Divisors below two to this leave room to shift a remainder up by 4."""
 RECIPROCAL_BITS = 27
 """The same where a remainder may exceed its divisor."""
 COMMON_BITS = 23
-"""The most with which a digit of 8 bits leaves a remainder that needs no correction to be shifted up by 8."""
-CELLS = 112
-"""Reciprocals in the table: of a divisor that is scaled to 16 bits, 2**13 .. 2**16 - 1, by its topmost 7."""
+"""Up to two to this a digit of 8 bits leaves a remainder that can be shifted up by 8 as it is."""
+CELLS = 113
+"""Reciprocals in the table: of a divisor that is scaled to 16 bits, 2**13 .. 2**16, by its topmost 7."""
 TOP_BITS, CELL_BITS, FIRST_CELL = 16, 7, 16
 MISSING = 2
 """Bits that a divisor in the table may be short of the largest."""
@@ -30,7 +30,7 @@ INVERSE_SHIFT = 10
 class Kernel:
     """One function of the C. ``digit_bits``: of the quotient, taken before the remainder is shifted up.
 
-    Of reciprocals: the largest divisor has ``width`` bits, the smallest ``missing`` less.
+    Of reciprocals: divisors are at most ``2**width``, and have at most ``missing`` bits less than that many.
     """
 
     by: Division
@@ -39,20 +39,9 @@ class Kernel:
     missing: int = 0
 
     @property
-    def largest_bits(self) -> int:
-        """The divisor lies below two to this."""
-        match self.by:
-            case "loop" | "rounds" | "unrolled":
-                return 31
-            case "hardware":
-                return 32 - self.digit_bits
-            case "reciprocal":
-                return self.width
-
-    @property
     def smallest_bits(self) -> int:
-        """Of divisors that exceed their numerator."""
-        return self.width - self.missing if self.by == "reciprocal" else 1
+        """Of a reciprocal's divisors that exceed their numerator."""
+        return self.width - self.missing
 
     @property
     def steps(self) -> tuple[int, ...]:
@@ -75,21 +64,20 @@ class Kernel:
 
 def offered(division: Division, largest: int) -> Division:
     """The way to divide by at most ``largest`` that comes next to the one asked for."""
-    bits = largest.bit_length()
-    room = {"hardware": HARDWARE_BITS, "reciprocal": RECIPROCAL_BITS}
-    return "rounds" if bits > room.get(division, 32) else division
+    room = {"hardware": 2**HARDWARE_BITS - 1, "reciprocal": 2**RECIPROCAL_BITS}
+    return "rounds" if largest > room.get(division, largest) else division
 
 
 def kernel_of(node: Quotient) -> Kernel:
     """The function that computes a node."""
-    bits = node.den.hi.bit_length()
+    lo, hi = max(node.den.lo, 1), node.den.hi
     match node.by:
         case "loop" | "rounds" | "unrolled":
             return Kernel(node.by, 1)
         case "hardware":
-            return Kernel("hardware", 8 if bits <= 24 else 4)
+            return Kernel("hardware", 8 if hi < 2**24 else 4)
         case "reciprocal":
-            return _reciprocal(max(bits, TOP_BITS + 1), max(node.den.lo, 1).bit_length())
+            return _reciprocal(max((hi - 1).bit_length(), TOP_BITS + 1), lo.bit_length())
 
 
 def _reciprocal(width: int, smallest_bits: int) -> Kernel:

@@ -24,20 +24,48 @@
 #endif
 
 /* 2^21 / top at the middle of each 512 numbers from top = 2^13 up. */
-static const uint8_t nav_reciprocals[112] NAV_TABLE = {
+static const uint8_t nav_reciprocals[113] NAV_TABLE = {
     248U, 234U, 221U, 210U, 200U, 191U, 182U, 174U, 167U, 161U, 155U, 149U, 144U, 139U, 134U,
     130U, 126U, 122U, 119U, 115U, 112U, 109U, 106U, 104U, 101U, 99U, 96U, 94U, 92U, 90U, 88U,
     86U, 84U, 83U, 81U, 80U, 78U, 77U, 75U, 74U, 72U, 71U, 70U, 69U, 68U, 67U, 66U, 65U, 64U,
     63U, 62U, 61U, 60U, 59U, 58U, 57U, 56U, 56U, 55U, 54U, 54U, 53U, 52U, 52U, 51U, 50U, 50U,
     49U, 48U, 48U, 47U, 47U, 46U, 46U, 45U, 45U, 44U, 44U, 43U, 43U, 42U, 42U, 42U, 41U, 41U,
     40U, 40U, 40U, 39U, 39U, 38U, 38U, 38U, 37U, 37U, 37U, 36U, 36U, 36U, 35U, 35U, 35U, 35U,
-    34U, 34U, 34U, 33U, 33U, 33U, 33U, 32U, 32U
+    34U, 34U, 34U, 33U, 33U, 33U, 33U, 32U, 32U, 32U
 };
 
-/* floor(num * 2^16 / den) where num < den, else 2^16; den < 2^23.
+/* floor(num * 2^16 / den) where num < den, else 2^16; 2^20 <= den <= 2^23.
  * A reciprocal from the table, bettered by one Newton step, gives the quotient by 8 bits at once: never too
  * much, and too little by so little that the rest stays below twice the divisor. */
 static uint32_t nav_quotient(uint32_t num, uint32_t den)
+{
+    uint32_t digits = 65536U;
+
+    if (num < den) {
+        const uint32_t divisor = den;
+        uint32_t rest = num;
+
+        const uint32_t guess = NAV_READ_U8(nav_reciprocals, (divisor >> 16U) - 16U);
+        const uint32_t inverse = (guess * (4194048U - ((divisor >> 7U) * guess))) >> 10U;
+        uint32_t digit = ((rest >> 8U) * inverse) >> 23U;
+
+        rest = (rest << 8U) - (digit * divisor);
+        digits = digit;
+
+        digit = ((rest >> 8U) * inverse) >> 23U;
+        rest = (rest << 8U) - (digit * divisor);
+        digits = (digits << 8U) + digit;
+        if (rest >= divisor) {
+            digits = digits + 1U;
+        }
+    }
+    return digits;
+}
+
+/* floor(num * 2^16 / den) where num < den, else 2^16; den <= 2^23.
+ * A reciprocal from the table, bettered by one Newton step, gives the quotient by 8 bits at once: never too
+ * much, and too little by so little that the rest stays below twice the divisor. */
+static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
 {
     uint32_t digits = 65536U;
 
@@ -75,10 +103,10 @@ static uint32_t nav_quotient(uint32_t num, uint32_t den)
     return digits;
 }
 
-/* floor(num * 2^16 / den) where num < den, else 2^16; den < 2^24, and at least 2^18.
+/* floor(num * 2^16 / den) where num < den, else 2^16; 2^18 <= den <= 2^24.
  * A reciprocal from the table, bettered by one Newton step, gives the quotient by 8 bits at once: never too
  * much, and too little by so little that the rest stays below twice the divisor. */
-static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
+static uint32_t nav_quotient_3(uint32_t num, uint32_t den)
 {
     uint32_t digits = 65536U;
 
@@ -235,7 +263,7 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     /* centroid of ddc */
     const uint32_t ddc_a = (ddc_area + 8U) >> 4U;
     const uint32_t ddc_m = (ddc_moment + 8U) >> 4U;
-    const uint32_t ddc_t = nav_quotient_2(ddc_m, ddc_a * 4U);
+    const uint32_t ddc_t = nav_quotient(ddc_m, ddc_a * 4U);
     const uint32_t ddc_steps = (ddc_t + 1U) >> 1U;
     out->ddc = (uint16_t)ddc_steps;
 
@@ -644,14 +672,14 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     /* centroid of v */
     const uint32_t v_a = v_area >> 5U;
     const uint32_t v_m = (v_moment - 8388608U) >> 5U;
-    const uint32_t v_t = nav_quotient_2(v_m, v_a * 8U);
+    const uint32_t v_t = nav_quotient_3(v_m, v_a * 8U);
     const uint32_t v_steps = ((v_t * 45875U) + 62259U) >> 16U;
     out->v = (uint16_t)v_steps;
 
     /* centroid of w */
     const uint32_t w_a = w_area >> 6U;
     const uint32_t w_m = (w_moment - 8388608U) >> 6U;
-    const uint32_t w_t = nav_quotient_2(w_m, w_a * 12U);
+    const uint32_t w_t = nav_quotient_3(w_m, w_a * 12U);
     const uint32_t w_scaled = w_t * 39322U;
     const uint32_t w_steps = ((w_scaled > 13107U) ? (w_scaled - 13107U) : 0U) >> 16U;
     out->w = (int16_t)((int32_t)((w_steps < 39320U) ? w_steps : 39320U) - 19660);
@@ -717,7 +745,7 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
 
         /* danger_1: danger */
         const uint32_t danger_1_eta_t_den = speed * 120U;
-        const uint32_t danger_1_eta_t = nav_quotient(gap_3, danger_1_eta_t_den);
+        const uint32_t danger_1_eta_t = nav_quotient_2(gap_3, danger_1_eta_t_den);
         const uint32_t danger_1_eta_t_zero_den = speed * 20U;
         const uint32_t danger_1_eta_t_2 = ((gap_3 == 0U) && (danger_1_eta_t_zero_den == 0U))
             ? 65536U : danger_1_eta_t;

@@ -22,17 +22,17 @@
 #endif
 
 /* 2^21 / top at the middle of each 512 numbers from top = 2^13 up. */
-static const uint8_t tipper_reciprocals[112] TIPPER_TABLE = {
+static const uint8_t tipper_reciprocals[113] TIPPER_TABLE = {
     248U, 234U, 221U, 210U, 200U, 191U, 182U, 174U, 167U, 161U, 155U, 149U, 144U, 139U, 134U,
     130U, 126U, 122U, 119U, 115U, 112U, 109U, 106U, 104U, 101U, 99U, 96U, 94U, 92U, 90U, 88U,
     86U, 84U, 83U, 81U, 80U, 78U, 77U, 75U, 74U, 72U, 71U, 70U, 69U, 68U, 67U, 66U, 65U, 64U,
     63U, 62U, 61U, 60U, 59U, 58U, 57U, 56U, 56U, 55U, 54U, 54U, 53U, 52U, 52U, 51U, 50U, 50U,
     49U, 48U, 48U, 47U, 47U, 46U, 46U, 45U, 45U, 44U, 44U, 43U, 43U, 42U, 42U, 42U, 41U, 41U,
     40U, 40U, 40U, 39U, 39U, 38U, 38U, 38U, 37U, 37U, 37U, 36U, 36U, 36U, 35U, 35U, 35U, 35U,
-    34U, 34U, 34U, 33U, 33U, 33U, 33U, 32U, 32U
+    34U, 34U, 34U, 33U, 33U, 33U, 33U, 32U, 32U, 32U
 };
 
-/* floor(num * 2^16 / den) where num < den, else 2^16; den < 2^24.
+/* floor(num * 2^16 / den) where num < den, else 2^16; den <= 2^24.
  * A reciprocal from the table, bettered by one Newton step, gives the quotient by 8 bits at once: never too
  * much, and too little by so little that the rest stays below twice the divisor. */
 static uint32_t tipper_quotient(uint32_t num, uint32_t den)

@@ -38,8 +38,8 @@ def test_an_inverse_is_never_too_large_and_hardly_too_small() -> None:
     """Every top of a divisor: the inverse times any divisor with that top lies in 2**32 times [1 - LOSS, 1]."""
     table = reciprocals()
     assert len(table) == CELLS and max(table) < 256
-    assert FIRST_CELL + CELLS == 2**CELL_BITS
-    for top in range(2 ** (TOP_BITS - 1 - MISSING), 2**TOP_BITS):
+    assert FIRST_CELL + CELLS == 2**CELL_BITS + 1
+    for top in range(2 ** (TOP_BITS - 1 - MISSING), 2**TOP_BITS + 1):
         guess = table[(top >> (TOP_BITS - CELL_BITS)) - FIRST_CELL]
         assert top * guess <= REFLECTED and guess * (REFLECTED - top * guess) < 2**32
         inverse = (guess * (REFLECTED - top * guess)) >> INVERSE_SHIFT
@@ -59,24 +59,24 @@ def test_what_a_digit_leaves(bits: int) -> None:
         assert most < 2
 
 
-@given(st.integers(0, 2**27 - 1), st.integers(0, 2**27 - 1))
+@given(st.integers(0, 2**27), st.integers(0, 2**27))
 def test_every_divisor_comes_into_the_table(a: int, b: int) -> None:
-    """Any divisor of an interval is shifted to between ``width - MISSING`` and ``width`` bits, numerator and all."""
+    """Any divisor of an interval is shifted to between ``2**(width - 1 - MISSING)`` and ``2**width``."""
     lo, hi = min(a, b), max(a, b)
     kernel = kernel_of(node(lo, hi, "reciprocal"))
-    assert kernel.by == "reciprocal" and hi < 2**kernel.width
+    assert kernel.by == "reciprocal" and hi <= 2**kernel.width
     assert kernel.smallest_bits <= max(lo, 1).bit_length()
     for den in {max(lo, 1), hi, (lo + hi + 1) // 2, *(2**k for k in range(28) if lo <= 2**k <= hi)} - {0}:
         for step in kernel.steps:
             if den < 2 ** (kernel.width - step):
                 den <<= step
-        assert kernel.width - MISSING <= den.bit_length() <= kernel.width
+        assert 2 ** (kernel.width - 1 - MISSING) <= den <= 2**kernel.width
 
 
 def test_divisors_that_are_too_large_are_divided_otherwise() -> None:
     """What leaves no room for a digit is divided bit by bit; a remainder without room to be larger is settled."""
-    assert node(0, 2**27, "reciprocal").by == node(0, 2**28, "hardware").by == "rounds"
-    assert node(0, 2**27 - 1, "reciprocal").by == "reciprocal" and node(0, 2**28 - 1, "hardware").by == "hardware"
+    assert node(0, 2**27 + 1, "reciprocal").by == node(0, 2**28, "hardware").by == "rounds"
+    assert node(0, 2**27, "reciprocal").by == "reciprocal" and node(0, 2**28 - 1, "hardware").by == "hardware"
     assert kernel_of(node(0, 2**31 - 1, "unrolled")) == Kernel("unrolled", 1)
-    assert [kernel_of(node(1, 2**bits - 1, "reciprocal")).settles for bits in (23, 24, 25)] == [False, True, False]
-    assert kernel_of(node(2**20, 2**23 - 1, "reciprocal")).steps == ()
+    assert [kernel_of(node(1, 2**bits, "reciprocal")).settles for bits in (23, 24, 25)] == [False, True, False]
+    assert kernel_of(node(2**20, 2**23, "reciprocal")).steps == ()
