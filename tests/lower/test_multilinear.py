@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyspec import load
+from fuzzyspec.exact import dequantise, evaluate_controller
 from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.program import Const, Define, Function, Local, Port, Program, SetOutput, StatusBit, Table
 from fuzzyspec.fixed.run import Run, run
@@ -257,3 +258,52 @@ def test_places_that_are_no_small_multiples_stay_raw_counts(steps: int, narrow: 
         assert fmt.rounding(0) <= TOLERATED * 60000
         exact = [found.base + found.unit * i for i in found.integers]
         assert exact == [places[t] * 60000 for t in table]
+
+
+PD = """
+module pd
+controller pd {
+    input  error in [-10, 10] { partition NB NM NS Z PS PM PB }
+    input  rate in [-2, 2] { partition NB NM NS Z PS PM PB }
+    output u in [-100, 100] { singletons NB NM NS Z PS PM PB }
+    output hard in [0, 1] { term A = singleton(0)  term B = singleton(0.137)  term C = singleton(0.71) }
+    infer { and = product, defuzzify = weighted_average }
+    table u by error, rate {
+             NB  NM  NS  Z   PS  PM  PB
+        NB:  NB  NB  NB  NB  NM  NS  Z
+        NM:  NB  NB  NB  NM  NS  Z   PS
+        NS:  NB  NB  NM  NS  Z   PS  PM
+        Z:   NB  NM  NS  Z   PS  PM  PB
+        PS:  NM  NS  Z   PS  PM  PB  PB
+        PM:  NS  Z   PS  PM  PB  PB  PB
+        PB:  Z   PS  PM  PB  PB  PB  PB
+    }
+    table hard by error, rate {
+             NB NM NS Z  PS PM PB
+        NB:  C  C  B  B  B  C  C
+        NM:  C  B  B  A  B  B  C
+        NS:  B  B  A  A  A  B  B
+        Z:   B  A  A  A  A  A  B
+        PS:  B  B  A  A  A  B  B
+        PM:  C  B  B  A  B  B  C
+        PB:  C  C  B  B  B  C  C
+    }
+}
+"""
+
+
+@pytest.mark.parametrize("spec", [str(ROOT / "benchmarks" / "w3s.fz"), PD], ids=["w3s", "pd"])
+def test_a_certificate_is_not_far_from_what_is_seen(spec: str) -> None:
+    """Over many raws the largest error keeps within its bound and comes to more than half of it: what the shifts, the
+    products and the degrees of fewer bits add is all counted, and little else."""
+    (controller,) = load(spec if "\n" in spec else Path(spec)).module.controllers
+    function, numbers = lower_controller(controller, Strategy())
+    bounds = bound_controller(numbers, tuple(F(0) for _ in controller.inputs), Effort(64))
+    inputs = raws_of(controller, 200_000, 5)
+    raws = run(Program("p", (function,)), controller.name, inputs).outputs
+    values = {i.name: dequantise(i.variable, inputs[i.name]) for i in controller.inputs}
+    exact = evaluate_controller(controller, values, {}, {})
+    for output in controller.outputs:
+        off = np.abs(dequantise(output.variable, raws[output.name]) - exact.outputs[output.name])
+        assert off.max() <= float(bounds.errors[output.name])
+        assert off.max() > float(bounds.errors[output.name]) / 2
