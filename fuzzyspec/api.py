@@ -31,6 +31,7 @@ from fuzzyspec.diagnostics.refusal import Refusal
 
 if TYPE_CHECKING:
     from fuzzyspec.emit import Plan
+    from fuzzyspec.estimate.budgets import Forecast
     from fuzzyspec.exact import Exact
     from fuzzyspec.fixed.certificate import Certificate
     from fuzzyspec.fixed.run import Run
@@ -184,6 +185,19 @@ class Spec:
             return lower(self.module, options)
         except LoweringError as error:
             raise SpecError(self.source, error.diagnostics) from error
+
+    def forecasts(self, options: LowerOptions, lowered: Lowered | None = None) -> tuple[Forecast, ...]:
+        """What the cost model says to the spec's budgets, limit by limit; empty where there are none.
+
+        ``lowered``: what ``lower`` gave for these options, where it is at hand. Raises as ``lower``.
+        """
+        from fuzzyspec.estimate.budgets import forecasts
+
+        budgets = {name: f.budgets for name, f in self.functions.items() if f.budgets}
+        if not budgets:
+            return ()
+        program = (self.lower(options) if lowered is None else lowered).program
+        return forecasts(budgets, program, options.target, options.built_with)
 
     # --- verification ---------------------------------------------------------------------------
 

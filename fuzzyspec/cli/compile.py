@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,9 +14,12 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from fuzzyspec.api import Spec
+    from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source
     from fuzzyspec.emit import Plan
+    from fuzzyspec.estimate.budgets import Forecast
     from fuzzyspec.fixed.certificate import OutputBound
-    from fuzzyspec.lower import Lowered
+    from fuzzyspec.lower import Lowered, Options
+    from fuzzyspec.lower.strategy import Goal
     from fuzzyspec.model.variable import Variable
 
 
@@ -47,14 +51,21 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         default="generic",
         help="the machine to choose the strategies for; the C runs on all of them (default: generic)",
     )
+    parser.add_argument(
+        "--over-budget",
+        choices=("stop", "warn"),
+        default="stop",
+        help="where the cost model finds a budget of the spec broken: write nothing, or warn and write (default: stop)",
+    )
     parser.add_argument("--format", choices=("text", "json"), default="text")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compile; 0, or 1 where the spec is wrong or, with ``--check``, a file is stale."""
+    """Compile; 0, or 1 where the spec is wrong, a budget broken or, with ``--check``, a file stale."""
     from fuzzyspec.api import load
     from fuzzyspec.cli import terminal
+    from fuzzyspec.diagnostics.diagnostic import SpecError
     from fuzzyspec.emit import emit, stale, write
     from fuzzyspec.lower import Options
 
@@ -62,14 +73,22 @@ def run(arguments: argparse.Namespace) -> int:
     options = Options(arguments.bounds, arguments.optimize, arguments.target)
     spec = load(arguments.file)
     lowered = spec.lower(options)
+    forecasts = spec.forecasts(options, lowered)
+    over = _over_budget(spec, options, forecasts)
+    if arguments.over_budget == "warn":
+        over = tuple(replace(d, severity="warning") for d in over)
+    found = (*spec.warnings, *over)
+    if any(d.severity == "error" for d in found):
+        raise SpecError(spec.source, found)
     if not as_json:
-        terminal.print_diagnostics(spec.warnings, spec.source)
+        terminal.print_diagnostics(found, spec.source)
     plan = emit(spec.module, lowered, spec.source, options)
     old = stale(plan, arguments.directory) if arguments.check else []
     if not arguments.check:
         write(plan, arguments.directory)
     if as_json:
-        print(json.dumps(_as_data(spec, lowered, plan, arguments.directory, old), indent=2))
+        told = {"budgets": _budgets(forecasts), "diagnostics": _diagnostics(found, spec.source)}
+        print(json.dumps(_as_data(lowered, plan, arguments.directory, old) | told, indent=2))
     elif arguments.check:
         for name in old:
             terminal.complain(f"{Path(arguments.directory, name)} is stale: compile {arguments.file} again")
@@ -77,7 +96,29 @@ def run(arguments: argparse.Namespace) -> int:
         for name in plan.files:
             print(f"wrote {Path(arguments.directory, name)}")
         _print_certificates(lowered)
+        _print_forecasts(forecasts)
     return 1 if old else 0
+
+
+def _over_budget(spec: Spec, options: Options, found: tuple[Forecast, ...]) -> tuple[Diagnostic, ...]:
+    """What the model has against the budgets; the other goals are only tried where it has something."""
+    if all(f.verdict in ("kept", "close") for f in found):
+        return ()
+    from fuzzyspec.estimate.budgets import findings
+
+    goals: tuple[Goal, ...] = ("size", "speed")
+    others: dict[str, tuple[Forecast, ...]] = {
+        g: spec.forecasts(replace(options, optimize=g)) for g in goals if g != options.optimize
+    }
+    return findings(found, others)
+
+
+def _print_forecasts(found: tuple[Forecast, ...]) -> None:
+    """A line a limit and machine: what it is estimated at."""
+    from fuzzyspec.estimate.budgets import as_lines
+
+    if found:
+        print("", *as_lines(found), sep="\n")
 
 
 def _print_certificates(lowered: Lowered) -> None:
@@ -110,9 +151,19 @@ def _number(bound: Fraction | None) -> float | None:
     return None if bound is None else float(upper(bound, 6))
 
 
-def _as_data(spec: Spec, lowered: Lowered, plan: Plan, directory: str, old: list[str]) -> dict[str, object]:
+def _budgets(found: tuple[Forecast, ...]) -> list[dict[str, object]]:
+    from fuzzyspec.estimate.budgets import as_data
+
+    return [as_data(f) for f in found]
+
+
+def _diagnostics(found: tuple[Diagnostic, ...], source: Source) -> list[dict[str, object]]:
     from fuzzyspec.diagnostics.render import as_json
 
+    return as_json(found, source)
+
+
+def _as_data(lowered: Lowered, plan: Plan, directory: str, old: list[str]) -> dict[str, object]:
     def outputs(function: str) -> list[dict[str, object]]:
         return [
             {
@@ -131,5 +182,4 @@ def _as_data(spec: Spec, lowered: Lowered, plan: Plan, directory: str, old: list
         "stale": old,
         "sha256": plan.digest,
         "certified": {f.name: outputs(f.name) for f in lowered.program.functions},
-        "diagnostics": as_json(spec.warnings, spec.source),
     }

@@ -77,4 +77,28 @@ CODES: tuple[Code, ...] = (
             budget { cycles <= 0, ram <= 0 B }              # cycles <= 900
         """,
     ),
+    explained(
+        "FZ460",
+        "over its budget, by the model",
+        """
+        `fuzzyc compile` estimates what a call costs from the integer program, by a model that was fitted to
+        measurements. The limit is broken even if the model is as far off as it ever was on specs that it was not
+        fitted to, so nothing is written.
+
+        `--optimize size` or `--optimize speed` may help, as the diagnostic says; so do fewer rules, terms or inputs.
+        Or the limit is not what the board needs.
+
+        A model can be wrong: `--over-budget warn` writes the C all the same, and `fuzzyc cost` measures it, whatever
+        the model says.
+        """,
+    ),
+    explained(
+        "FZ461",
+        "perhaps over its budget, by the model",
+        """
+        The estimate is above the limit, but by no more than the model may be off. The C is written.
+        `fuzzyc cost FILE --target ..` builds it, runs it and decides.
+        """,
+        "warning",
+    ),
 )

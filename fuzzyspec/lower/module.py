@@ -38,6 +38,11 @@ class Options:
     optimize: Goal = "balanced"
     target: Target = "generic"
 
+    @property
+    def built_with(self) -> Literal["O2", "Os"]:
+        """The compiler's option that the C is meant for: what costs are estimated and budgets are judged under."""
+        return "Os" if self.optimize == "size" else "O2"
+
 
 EFFORTS: Mapping[str, tuple[Effort, Effort]] = {
     "quick": (Effort(60_000), Effort(16_000)),
