@@ -5,6 +5,7 @@ Three programs for the same integers: two outputs in the halves of one word, eac
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -69,6 +70,11 @@ class Corners:
         strides = [prod(self.shape[i + 1 :]) for i in range(first, end)]
         return [sum(b * s for b, s in zip(bits, strides, strict=True)) for bits in product((0, 1), repeat=len(strides))]
 
+    def padded(self, words: Sequence[int]) -> tuple[int, ...]:
+        """A table by cell, continued to the last corner that is read: beyond the last cell only with a weight of 0."""
+        size = self.cell.hi + self.outer[-1] + self.inner[-1] + 1
+        return (*words, *[words[-1]] * (size - len(words)))
+
     def most(self, o: int) -> int:
         """The largest sum of an output, before its shift."""
         return self.format.outputs[o].most << self.format.bits
@@ -107,7 +113,7 @@ def _written(
 ) -> tuple[list[Stmt], list[Expr], Table]:
     """Depth first, so that few values wait at a time."""
     fmt = corners.format
-    table = Table(scope.name(f"{name}_places"), build.smallest_type(0, max(words)), tuple(words))
+    table = Table(scope.name(f"{name}_places"), build.smallest_type(0, max(words)), corners.padded(words))
     steps: list[Stmt] = [Comment(f"{' and '.join(corners.names[o] for o in outputs)}: places of the active cells")]
     source = _window(corners.cell, name, table, steps, scope)
     highest = sum(corners.most(o) << (HALF_WORD * k) for k, o in enumerate(outputs))
@@ -140,11 +146,11 @@ def _written(
 def in_loops(corners: Corners, scope: Scope) -> Lowered:
     """The sums of all outputs in one array, halved along one outer input after the other."""
     fmt = corners.format
-    cells, outer = prod(corners.shape), corners.outer
     each = len(corners.names)
-    integers = tuple(i for places in fmt.outputs for i in places.integers)
+    tables = [corners.padded(places.integers) for places in fmt.outputs]
+    integers = tuple(itertools.chain(*tables))
     table = Table(scope.name("places"), build.smallest_type(0, max(integers)), integers)
-    offsets = tuple(o * cells + c for o in range(each) for c in outer)
+    offsets = tuple(o * len(tables[0]) + c for o in range(each) for c in corners.outer)
     starts = Table(scope.name("corners"), build.smallest_type(0, max(offsets)), offsets)
     highest = max(corners.most(o) for o in range(each))
     array = scope.name("along")

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from fuzzyspec.fixed import build
-from fuzzyspec.fixed.program import Comment, Const, Define, Expr, Local, ReadPort, StatusBit, Stmt, Table
+from fuzzyspec.fixed.program import Comment, Const, Define, Expr, Local, StatusBit, Stmt, Table
 from fuzzyspec.lower.corners import Corners, Side, in_loops, packed, written
 from fuzzyspec.lower.formats import Format, as_counts, format_of
 from fuzzyspec.lower.lines import DEGREE_ONE
-from fuzzyspec.lower.saturation import saturated
 from fuzzyspec.lower.scope import Scope
-from fuzzyspec.lower.slide import Cell, chain, slide
+from fuzzyspec.lower.slide import Cell, fuzzified, highest
 from fuzzyspec.lower.strategy import Interpolation
 from fuzzyspec.model.controller import CellRules, Controller
 
@@ -107,8 +106,8 @@ def _fuzzified(
     controller: Controller, cells: CellRules, fmt: Format, scope: Scope
 ) -> tuple[list[Stmt], list[StatusBit], Cell, list[Local], tuple[Fraction, ...]]:
     strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(cells.shape))]
-    highest = sum((n - 2) * s for n, s in zip(cells.shape, strides, strict=True))
-    cell = Cell(Local(scope.name("cell"), build.smallest_type(0, highest), 0, highest) if highest else None)
+    top = sum(highest(i) * s for i, s in zip(controller.inputs, strides, strict=True))
+    cell = Cell(Local(scope.name("cell"), build.smallest_type(0, top), 0, top) if top else None)
     body: list[Stmt] = []
     if cell.local is not None:
         body += [Comment("the cell of the lower active terms, counted up input by input")]
@@ -125,17 +124,11 @@ def _fuzzified(
             status.append(StatusBit(bit, f"{variable.name} was outside its range and was saturated"))
         body.append(Comment(f"{item.name}: degrees of {', '.join(t.name for t in item.terms)}"))
         one = 1 << fmt.bits if i >= len(strides) - fmt.inner else DEGREE_ONE
-        slid = slide(item, one, cell, stride, bit, scope)
-        if slid is None:
-            given = ReadPort(variable.name, variable.raw.ctype, low, high)
-            steps, value, told = saturated(variable, given, variable.name, bit, scope)
-            body += steps
-            saturations += told
-            slid = chain(item, value, one, cell, stride, scope)
-        steps, degree, error = slid
-        body += steps
-        degrees.append(degree)
-        errors.append(error)
+        found = fuzzified(item, one, cell, stride, bit, scope)
+        body += found.steps
+        saturations += found.told
+        degrees.append(found.degree)
+        errors.append(found.error)
     return body + saturations, status, cell, degrees, tuple(errors)
 
 

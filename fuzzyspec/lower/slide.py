@@ -1,20 +1,28 @@
 """Fuzzification for interpolation: a raw becomes the degree of the upper active term and a step through the cells.
 
-Where the peaks are evenly spaced on raws, one line serves all pieces: the raw slides down to the first piece while the
-index of the cell moves up.
+Three forms. Two even pieces: the raw slides down to the first while the index of the cell moves up, and one line serves
+both. More even pieces: one line over all of them, whose upper bits count pieces and whose lower bits are the degree.
+Anything else: a chain of pieces.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Literal
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Assign, Branch, Const, Define, Expr, Local, ReadPort, SetStatus, Stmt
 from fuzzyspec.lower.fuzzify import fuzzify, position
-from fuzzyspec.lower.lines import fit
+from fuzzyspec.lower.lines import MAX_SHIFT, fit
+from fuzzyspec.lower.saturation import saturated
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Input
+
+HALF = Fraction(1, 2)
+Form = Literal["slide", "scale", "chain"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,59 +31,81 @@ class Cell:
 
     local: Local | None
 
-    def up(self, steps: int) -> list[Stmt]:
+    def up(self, steps: Expr) -> list[Stmt]:
         """Statements that move it up."""
-        if self.local is None or not steps:
+        if self.local is None or not steps.hi:
             return []
-        return [Assign(self.local, build.add_bounded(self.local, Const(steps), self.local.hi))]
+        return [Assign(self.local, build.add_bounded(self.local, steps, self.local.hi))]
 
 
-def spacing(item: Input) -> int | None:
-    """Raws between neighbouring peaks, where they are as many everywhere from the first legal raw to the last."""
+@dataclass(frozen=True, slots=True)
+class Fuzzified:
+    """Statements from the raw on, those that tell of its saturation later, the local with the degree, and its error in
+    degrees."""
+
+    steps: list[Stmt]
+    told: list[Stmt]
+    degree: Local
+    error: Fraction
+
+
+def form_of(item: Input) -> Form:
+    """How an input is fuzzified."""
     assert item.peaks is not None
     raw = item.variable.raw
     places = [position(raw, p) for p in item.peaks]
-    step = places[1] - places[0]
-    even = step.denominator == 1 and all(p == k * step for k, p in enumerate(places))
-    return int(step) if even and places[-1] == raw.hi - raw.lo else None
+    first, step, top = places[0], places[1] - places[0], raw.hi - raw.lo
+    if any(p != first + k * step for k, p in enumerate(places)):
+        return "chain"
+    if len(places) <= 3 and first == 0 and step.denominator == 1 and places[-1] == top:
+        return "slide"
+    if len(places) > 2 and -1 < first <= 0 and top <= places[-1] < top + 1:
+        return "scale"
+    return "chain"
 
 
-def slide(
-    item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scope
-) -> tuple[list[Stmt], Local, Fraction] | None:
-    """Statements from the raw on, the local with the degree (``one`` stands for 1) and its error in degrees; None where
-    the peaks are not evenly spaced. ``bit`` tells that the raw was outside its range."""
-    step = spacing(item)
-    if step is None:
-        return None
+def highest(item: Input) -> int:
+    """The largest lower term that an input's index can name: in one line it is the last term itself, with a degree of 0
+    for the one above, which is not there."""
+    return len(item.terms) - (1 if form_of(item) == "scale" else 2)
+
+
+def fuzzified(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scope) -> Fuzzified:
+    """The degree of an input's upper active term, ``one`` standing for 1, and the cell moved up by its lower one.
+
+    ``bit`` tells that the raw was outside its range.
+    """
+    forms: dict[Form, Callable[[Input, int, Cell, int, str, Scope], Fuzzified]] = {
+        "slide": _slide,
+        "scale": _scale,
+        "chain": _chain,
+    }
+    return forms[form_of(item)](item, one, cell, stride, bit, scope)
+
+
+def _slide(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scope) -> Fuzzified:
     assert item.peaks is not None
     raw, pieces = item.variable.raw, len(item.peaks) - 1
+    step = (raw.hi - raw.lo) // pieces
     body, counts = _from_bottom(item, bit, scope)
     at = build.local(scope.name(f"{item.name}_at"), counts)
-    line = fit(Fraction(0), Fraction(one, step), step)
-    top = step * pieces
-    body.append(Define(at, counts, pieces == 1 and at.hi <= top))
+    over = at.hi > raw.hi - raw.lo
+    body.append(Define(at, counts, pieces == 1 and not over))
+    # Above one piece, once it has slid down, there is only what lies above the range.
     capped: list[Stmt] = []
-    if at.hi > top:
-        # Above one piece, once it has slid down, there is only what lies above the range.
-        limit = step if pieces <= 2 else top
-        capped = [Branch(build.compare(">", at, Const(limit)), (Assign(at, Const(limit)), SetStatus(bit)))]
-    if pieces > 2:
-        body += capped
-    left = pieces
-    while left > 1:
-        # Halves: as many pieces stay possible whichever way this goes. On a peak both sides give the same.
-        over = (left + 1) // 2
-        down = build.sub_guarded(at, Const(over * step), at.hi - over * step)
-        moves = [Assign(at, down), *cell.up(over * stride), *(capped if pieces == 2 else [])]
-        body.append(Branch(build.compare(">", at, Const(over * step)), tuple(moves)))
-        left = over
-    if pieces == 1:
-        body += capped
+    if over:
+        capped = [Branch(build.compare(">", at, Const(step)), (Assign(at, Const(step)), SetStatus(bit)))]
+    if pieces == 2:
+        # On the peak both pieces give the same.
+        down = build.sub_guarded(at, Const(step), at.hi - step)
+        capped = [
+            Branch(build.compare(">", at, Const(step)), (Assign(at, down), *cell.up(Const(stride)), *capped)),
+        ]
+    line = fit(Fraction(0), Fraction(one, step), step)
     degree = Local(scope.name(f"{item.name}_d"), "uint16", 0, one)
     value = line.expr(Local(at.name, at.ctype, 0, step))
-    assert line.top <= one and raw.hi - raw.lo == top
-    return [*body, Define(degree, value, True)], degree, line.error / one
+    assert line.top <= one
+    return Fuzzified([*body, *capped, Define(degree, value, True)], [], degree, line.error / one)
 
 
 def _from_bottom(item: Input, bit: str, scope: Scope) -> tuple[list[Stmt], Expr]:
@@ -95,13 +125,46 @@ def _from_bottom(item: Input, bit: str, scope: Scope) -> tuple[list[Stmt], Expr]
     return body, build.sub(given, Const(raw.lo)) if rising else build.sub(Const(raw.hi), given)
 
 
-def chain(
-    item: Input, value: Expr, one: int, cell: Cell, stride: int, scope: Scope
-) -> tuple[list[Stmt], Local, Fraction]:
-    """The same by a chain of pieces, from a saturated raw, for any strong partition."""
-    body, found = fuzzify(item, value, scope, dense=False, bare=True, one=one)
+def _scale(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scope) -> Fuzzified:
+    """Lemma "scale" of docs/numbers.md."""
+    assert item.peaks is not None
+    raw, pieces = item.variable.raw, len(item.peaks) - 1
+    body, counts = _from_bottom(item, bit, scope)
+    at, top = build.local(scope.name(f"{item.name}_at"), counts), raw.hi - raw.lo
+    body.append(Define(at, counts, at.hi <= top))
+    if at.hi > top:
+        body.append(Branch(build.compare(">", at, Const(top)), (Assign(at, Const(top)), SetStatus(bit))))
+        at = Local(at.name, at.ctype, 0, top)
+    first = position(raw, item.peaks[0])
+    slope = one * pieces / (position(raw, item.peaks[-1]) - first)
+    start = -first * slope
+    shift = MAX_SHIFT
+    while math.ceil(slope * 2**shift) * top + (one << shift) > build.UINT32_MAX:
+        shift -= 1
+    factor = math.ceil(slope * 2**shift)
+    drift = (Fraction(factor, 2**shift) - slope) * top
+    # Below 1 all that is added on the way leaves a peak that is a raw where it is.
+    lift = min(HALF, max(1 - drift, Fraction(0)))
+    offset = max(math.ceil((start + lift) * 2**shift) - 1, 0)
+    whole = build.shift_right(build.add(build.mul(at, Const(factor)), Const(offset)), shift)
+    along = build.local(scope.name(f"{item.name}_along"), whole)
+    body.append(Define(along, whole, True))
+    if along.hi > one * pieces:
+        capped = build.least(along, Const(one * pieces))
+        along = build.local(scope.name(f"{item.name}_along"), capped)
+        body.append(Define(along, capped, True))
+    bits = one.bit_length() - 1
+    body += cell.up(build.mul(build.shift_right(along, bits), Const(stride)))
+    degree = Local(scope.name(f"{item.name}_d"), "uint16", 0, one - 1)
+    body.append(Define(degree, build.bits_and(along, Const(one - 1)), True))
+    off = Fraction(offset, 2**shift) - start
+    return Fuzzified(body, [], degree, max(1 - off, drift + off) / one)
+
+
+def _chain(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scope) -> Fuzzified:
+    variable = item.variable
+    given = ReadPort(variable.name, variable.raw.ctype, *build.LIMITS[variable.raw.ctype])
+    body, value, told = saturated(variable, given, variable.name, bit, scope)
+    steps, found = fuzzify(item, value, scope, dense=False, bare=True, one=one)
     assert found.upper is not None
-    if cell.local is not None and found.first.hi:
-        steps = build.mul(found.first, Const(stride))
-        body.append(Assign(cell.local, build.add_bounded(cell.local, steps, cell.local.hi)))
-    return body, found.upper, found.error
+    return Fuzzified([*body, *steps, *cell.up(build.mul(found.first, Const(stride)))], told, found.upper, found.error)

@@ -13,14 +13,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyspec import load
+from fuzzyspec.exact import dequantise, evaluate_controller
 from fuzzyspec.fixed.build import LIMITS
-from fuzzyspec.fixed.program import Program, Table
+from fuzzyspec.fixed.program import Const, Define, Function, Local, Port, Program, SetOutput, StatusBit, Table
 from fuzzyspec.fixed.run import Run, run
 from fuzzyspec.lower.bounds.search import Effort, bound_controller
 from fuzzyspec.lower.choice import strategies
 from fuzzyspec.lower.controller import lower_controller
 from fuzzyspec.lower.formats import TOLERATED, format_of
 from fuzzyspec.lower.multilinear import applies, ways
+from fuzzyspec.lower.scope import Scope
+from fuzzyspec.lower.slide import Cell, form_of, fuzzified, highest
 from fuzzyspec.lower.strategy import Strategy
 from fuzzyspec.model.controller import CellRules, Controller, Inference, Input, Output
 from fuzzyspec.model.term import PiecewiseLinear, Singleton
@@ -162,6 +165,61 @@ def test_only_a_raw_outside_its_range_sets_its_bit(controller: Controller, seed:
         assert np.array_equal(told, outside)
 
 
+def evenly(raw: Raw, count: int) -> Input:
+    """A partition over the whole range of a raw."""
+    lo, hi = sorted((raw.value(raw.lo), raw.value(raw.hi)))
+    own = Variable("x", lo, hi, ONE, raw, NOWHERE)
+    return input_of(own, tuple(lo + (hi - lo) * F(k, count - 1) for k in range(count)))
+
+
+@pytest.mark.parametrize(
+    ("raw", "count", "form"),
+    [
+        (Raw("uint16", F(1, 32768), F(0), 0, 32768), 3, "slide"),
+        (Raw("int16", F(-1, 256), F(5), -23040, 23040), 3, "slide"),
+        (Raw("uint16", F(1), F(0), 0, 65535), 2, "slide"),
+        (Raw("uint16", F(1), F(0), 0, 65535), 3, "scale"),
+        (Raw("uint16", F(1), F(0), 0, 40960), 7, "scale"),
+        (Raw("int16", F(-1, 3), F(2), -32768, 32767), 8, "scale"),
+        (Raw("int8", F(1), F(0), -100, 100), 5, "scale"),
+        (Raw("int8", F(1), F(0), -3, 3), 7, "scale"),
+    ],
+)
+@pytest.mark.parametrize("bits", [15, 13])
+def test_every_raw_finds_its_cell_and_degree(raw: Raw, count: int, form: str, bits: int) -> None:
+    """For all raws of the C type: cell and degree together are the place on the axis, within the stated error, and
+    exactly so on peaks that are raws, where the line does not drift by a unit."""
+    item = evenly(raw, count)
+    assert form_of(item) == form
+    scope = Scope()
+    top = highest(item)
+    cell = Cell(Local(scope.name("cell"), "uint8", 0, top) if top else None)
+    found = fuzzified(item, 1 << bits, cell, 1, "OUT", scope)
+    start = [] if cell.local is None else [Define(cell.local, Const(0), False)]
+    results = (SetOutput("cell", cell.local or Const(0)), SetOutput("d", found.degree))
+    ports = (Port("x", raw.ctype, raw.lo, raw.hi, item.variable),)
+    outputs = (Port("cell", "uint8", 0, 255, None), Port("d", "uint16", 0, 65535, None))
+    body = (*start, *found.steps, *found.told, *results)
+    status = (StatusBit("OUT", "outside"),)
+    function = Function("f", "controller", ports, outputs, (), (), status, (), (), body)
+    low, high = LIMITS[raw.ctype]
+    raws = np.arange(low, high + 1)
+    got = run(Program("p", (function,)), "f", {"x": raws}, checked=True)
+    along = got.outputs["cell"] * (1 << bits) + got.outputs["d"]
+    legal = np.clip(raws, raw.lo, raw.hi)
+    counts = legal - raw.lo if raw.step > 0 else raw.hi - legal
+    pieces, whole = count - 1, raw.hi - raw.lo
+    # In units of 1 / whole, so that all is integers.
+    off = along * whole - counts * pieces * (1 << bits)
+    assert np.abs(off).max() <= found.error * (1 << bits) * whole
+    # A factor that leaves a product with 16 bits of raws in 32 is good to 2^-s, where pieces << (bits + s) >= 2^31.
+    assert found.error * (1 << bits) <= max(1, F(pieces << bits, 1 << 15))
+    peaks = counts * pieces % whole == 0
+    if form == "slide" or bits == 13:
+        assert peaks.any() and not off[peaks].any()
+    assert np.array_equal(got.status != 0, raws != legal)
+
+
 def test_small_places_share_words() -> None:
     """W3s is computed two outputs to a word: one table of words, whose halves are the tables of the other programs."""
     (controller,) = load(ROOT / "benchmarks" / "w3s.fz").module.controllers
@@ -200,3 +258,52 @@ def test_places_that_are_no_small_multiples_stay_raw_counts(steps: int, narrow: 
         assert fmt.rounding(0) <= TOLERATED * 60000
         exact = [found.base + found.unit * i for i in found.integers]
         assert exact == [places[t] * 60000 for t in table]
+
+
+PD = """
+module pd
+controller pd {
+    input  error in [-10, 10] { partition NB NM NS Z PS PM PB }
+    input  rate in [-2, 2] { partition NB NM NS Z PS PM PB }
+    output u in [-100, 100] { singletons NB NM NS Z PS PM PB }
+    output hard in [0, 1] { term A = singleton(0)  term B = singleton(0.137)  term C = singleton(0.71) }
+    infer { and = product, defuzzify = weighted_average }
+    table u by error, rate {
+             NB  NM  NS  Z   PS  PM  PB
+        NB:  NB  NB  NB  NB  NM  NS  Z
+        NM:  NB  NB  NB  NM  NS  Z   PS
+        NS:  NB  NB  NM  NS  Z   PS  PM
+        Z:   NB  NM  NS  Z   PS  PM  PB
+        PS:  NM  NS  Z   PS  PM  PB  PB
+        PM:  NS  Z   PS  PM  PB  PB  PB
+        PB:  Z   PS  PM  PB  PB  PB  PB
+    }
+    table hard by error, rate {
+             NB NM NS Z  PS PM PB
+        NB:  C  C  B  B  B  C  C
+        NM:  C  B  B  A  B  B  C
+        NS:  B  B  A  A  A  B  B
+        Z:   B  A  A  A  A  A  B
+        PS:  B  B  A  A  A  B  B
+        PM:  C  B  B  A  B  B  C
+        PB:  C  C  B  B  B  C  C
+    }
+}
+"""
+
+
+@pytest.mark.parametrize("spec", [str(ROOT / "benchmarks" / "w3s.fz"), PD], ids=["w3s", "pd"])
+def test_a_certificate_is_not_far_from_what_is_seen(spec: str) -> None:
+    """Over many raws the largest error keeps within its bound and comes to more than half of it: what the shifts, the
+    products and the degrees of fewer bits add is all counted, and little else."""
+    (controller,) = load(spec if "\n" in spec else Path(spec)).module.controllers
+    function, numbers = lower_controller(controller, Strategy())
+    bounds = bound_controller(numbers, tuple(F(0) for _ in controller.inputs), Effort(64))
+    inputs = raws_of(controller, 200_000, 5)
+    raws = run(Program("p", (function,)), controller.name, inputs).outputs
+    values = {i.name: dequantise(i.variable, inputs[i.name]) for i in controller.inputs}
+    exact = evaluate_controller(controller, values, {}, {})
+    for output in controller.outputs:
+        off = np.abs(dequantise(output.variable, raws[output.name]) - exact.outputs[output.name])
+        assert off.max() <= float(bounds.errors[output.name])
+        assert off.max() > float(bounds.errors[output.name]) / 2
