@@ -105,7 +105,8 @@ def _figures(found: Estimate, limit: Budget) -> tuple[float, float]:
 # --- what is told of it ----------------------------------------------------------------------
 
 _CODES: Mapping[Verdict, tuple[str, Severity]] = {"broken": ("FZ460", "error"), "doubtful": ("FZ461", "warning")}
-_SMALLER = "fewer rules, terms or inputs cost less; `--over-budget warn` writes the C all the same"
+_SMALLER = "fewer rules, terms or inputs cost less"
+_ANYWAY = "`--over-budget warn` writes the C all the same"
 
 
 def findings(found: Sequence[Forecast], others: Mapping[str, Sequence[Forecast]]) -> tuple[Diagnostic, ...]:
@@ -141,7 +142,8 @@ def _finding(worst: Forecast, rest: Sequence[Forecast], others: Mapping[str, Seq
         message = f"{comes_to}: perhaps over its budget"
         label = f"nine in ten estimates are off by {_percent(worst.spread)} at most"
     measure = f"`fuzzyc cost FILE --target {worst.machine}` decides by measuring"
-    help_ = "; ".join(filter(None, (_way_out(worst, others), measure if worst.verdict == "doubtful" else _SMALLER)))
+    way_out = _way_out(worst, others) or _SMALLER
+    help_ = f"{way_out}; {measure if worst.verdict == 'doubtful' else _ANYWAY}"
     notes = tuple(f"on {f.machine}: about {estimated(f)}" for f in rest)
     return Diagnostic(code, message, limit.span, label=label, help=help_, notes=notes, severity=severity)
 
