@@ -15,7 +15,7 @@ from typing import assert_never
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Assign, Branch, Comment, Const, Define, Division, Expr, Local, Stmt
 from fuzzyspec.lower.centroid import even_mean, even_sets
-from fuzzyspec.lower.even import EvenOutput, evaluate_even
+from fuzzyspec.lower.even import AREA_BITS, HEIGHT_SHIFT, EvenOutput, cube, square
 from fuzzyspec.lower.fire import Firing
 from fuzzyspec.lower.fuzzify import Degrees
 from fuzzyspec.lower.lattice import Cells, Degree, Formula, Higher, Lower, formula
@@ -87,7 +87,7 @@ def fire_cells(
     """Append the statements up to every output's sums to ``firing``; the rest of each output is returned."""
     sums: list[tuple[Local, Local]] = []
     for output, even in zip(controller.outputs, evens, strict=True):
-        area = Local(scope.name(f"{output.name}_area"), "uint32", 0, even.domain << 22)
+        area = Local(scope.name(f"{output.name}_area"), "uint32", 0, even.domain << AREA_BITS)
         moment = Local(scope.name(f"{output.name}_moment"), "uint32", 0, build.UINT32_MAX)
         firing.body += [Define(area, Const(0), False), Define(moment, Const(0), False)]
         sums.append((area, moment))
@@ -134,35 +134,99 @@ def _block(
             k: block.strength(formula(Cells(c)), f"{output.name}_{output.terms[k].name}")
             for k, c in sorted(named.items())
         }
-        a, m = _sums(output, even, heights, block)
-        block.body += [Assign(area, build.capped(a, area.hi)), Assign(moment, m)]
+        block.body += _sums(output, even, heights, (area, moment), block)
     return block.body
 
 
-def _sums(output: Output, even: EvenOutput, heights: dict[int, Local], block: _Block) -> tuple[Expr, Expr]:
-    """Area and moment of the union of a block's terms."""
-    area: Expr = Const(0)
-    moment: Expr = Const(0)
-    less: Expr = Const(0)
-    for form in even.forms:
-        if not set(form.members) <= set(heights):
-            continue
-        height = heights[form.members[0]]
-        if form.sign < 0:
-            # Only one term can exceed 1/2: the one that the larger degrees' cell names.
-            height = block.bind(f"{output.name}_both", build.least(height, heights[form.members[1]]))
-            height = Local(height.name, height.ctype, 0, DEGREE_ONE // 2)
-        found = evaluate_even(form, even, height, block.scope, f"{output.name}_{output.terms[form.members[0]].name}")
-        block.body += found.steps
-        if form.sign < 0:
-            area = build.sub_guarded(area, found.area, area.hi)
-            less = build.add(less, build.mul(found.area, Const(even.peaks[form.members[0]] + 1)))
-            continue
-        count, peak = even.halves[form.members[0]], even.peaks[form.members[0]]
-        area = build.add(area, build.mul(found.area, Const(count)))
-        moment = build.add(moment, build.mul(found.area, Const(count * peak)))
-        if found.moment is not None and form.moment_sign > 0:
-            moment = build.add(moment, found.moment)
-        elif found.moment is not None:
-            less = build.add(less, found.moment)
-    return area, build.sub_guarded(moment, less, moment.hi)
+Terms = dict[Expr, int]
+"""A sum of atoms, each so many times: heights (times 2**8), squares, cubes."""
+
+
+@dataclass
+class _Linear:
+    """Area and moment of a union as sums of its terms' heights, squares and cubes."""
+
+    heights: Terms = field(default_factory=dict)
+    rest: Terms = field(default_factory=dict)
+
+    def add(self, times: int, height: Local, squared: Local, squares: int, cubed: Expr | None = None) -> None:
+        """Add ``times`` of ``2**8 h - squares * h**2 (+ h**3)``."""
+        self.heights[height] = self.heights.get(height, 0) + times
+        self.rest[squared] = self.rest.get(squared, 0) - times * squares
+        if cubed is not None:
+            self.rest[cubed] = self.rest.get(cubed, 0) + times
+
+    def expr(self, hi: int) -> Expr:
+        """What is added first, then what is subtracted: the sum is an area or a moment, so it is not negative."""
+        parts: list[Expr] = []
+        for sign in (1, -1):
+            part = build.shift_left(_times(self.heights, sign), HEIGHT_SHIFT)
+            parts.append(build.add(part, _times(self.rest, sign)))
+        return build.sub_guarded(parts[0], parts[1], hi)
+
+
+def _times(terms: Terms, sign: int) -> Expr:
+    total: Expr = Const(0)
+    for atom, times in terms.items():
+        if times * sign > 0:
+            total = build.add(total, build.mul(atom, Const(times * sign)))
+    return total
+
+
+MOST_BRANCHES = 2
+"""Overlaps whose lower term is asked for by a branch each; of more, the lower height is computed."""
+
+
+def _sums(
+    output: Output, even: EvenOutput, heights: dict[int, Local], sums: tuple[Local, Local], block: _Block
+) -> list[Stmt]:
+    """Set area and moment of the union of a block's terms."""
+    body: list[Stmt] = []
+    pairs = [k for k in even.met if k in heights and k + 1 in heights]
+    parts: dict[int, Local] = {}
+    squares: dict[int, Local] = {}
+    cubes: dict[int, Local] = {}
+    for k, height in heights.items():
+        name = f"{output.name}_{output.terms[k].name}"
+        squared = square(height, name, block.scope)
+        body.append(squared)
+        squares[k] = squared.local
+        if not even.ends[k] and k not in pairs and k - 1 not in pairs:
+            # By itself its area is one atom.
+            value = build.sub_guarded(build.shift_left(height, HEIGHT_SHIFT), squared.local, 2**AREA_BITS)
+            parts[k] = build.local(block.scope.name(f"{name}_part"), value, ctype="uint32")
+            body.append(Define(parts[k], value, True))
+        if even.ends[k]:
+            value = cube(height, squared.local)
+            cubes[k] = build.local(block.scope.name(f"{name}_cube"), value, ctype="uint32")
+            body.append(Define(cubes[k], value, True))
+
+    def settled(lower: dict[int, tuple[Local, Local]]) -> list[Stmt]:
+        """The rest, where the lower height of the first pairs, and its square, are known."""
+        if len(lower) < len(pairs):
+            k = pairs[len(lower)]
+            if len(pairs) > MOST_BRANCHES:
+                name = f"{output.name}_both"
+                # Only one term can exceed 1/2: the one that the larger degrees' cell names.
+                value = build.capped(build.least(heights[k], heights[k + 1]), DEGREE_ONE // 2)
+                least = build.local(block.scope.name(name), value)
+                squared = square(least, name, block.scope)
+                return [Define(least, value, True), squared, *settled({**lower, k: (least, squared.local)})]
+            sides = [settled({**lower, k: (heights[j], squares[j])}) for j in (k, k + 1)]
+            return [Branch(build.compare("<", heights[k], heights[k + 1]), tuple(sides[0]), tuple(sides[1]))]
+        area, moment = _Linear(), _Linear()
+        for k, height in heights.items():
+            if k in parts:
+                area.rest[parts[k]] = even.counts[k]
+                moment.rest[parts[k]] = even.counts[k] * even.peaks[k]
+                continue
+            area.add(even.counts[k], height, squares[k], 1)
+            moment.add(even.counts[k] * even.peaks[k], height, squares[k], 1)
+            if even.ends[k]:
+                moment.add(even.ends[k], height, squares[k], 2, cubes[k])
+        for k, (height, squared_) in lower.items():
+            area.add(-1, height, squared_, 2)
+            moment.add(-even.peaks[k] - 1, height, squared_, 2)
+        return [Assign(sums[0], area.expr(sums[0].hi)), Assign(sums[1], moment.expr(build.UINT32_MAX))]
+
+    return body + settled({})

@@ -141,29 +141,22 @@ def even_mean(
     sets: tuple[SetNumbers, ...],
     division: Division,
     scope: Scope,
-    rounded: bool = False,
     fires: bool = False,
 ) -> tuple[list[Stmt], Expr, CentroidNumbers]:
-    """The raw of an even output from its sums; ``rounded`` ones hold the half that rounds their shortening.
+    """The raw of an even output from its sums.
 
     ``fires``: some term is reached to 1/2 or more, so the area is at least the smallest term's there.
     """
     name, shift = output.name, even.shift
-    half = 1 << (shift - 1)
-    domain = (even.domain << AREA_BITS) + half
-    room = build.UINT32_MAX - half
-    if not rounded:
-        area = build.add(build.capped(area, domain - half), Const(half))
-        moment = build.add(build.capped(moment, room), Const(half))
-    a_value = build.shift_right(build.capped(area, domain), shift)
+    least = min(even.counts) * (3 << (AREA_BITS - 2)) if fires else 0
+    area = build.floored(build.capped(area, even.domain << AREA_BITS), least)
+    a_value = build.shift_right(build.mul(area, Const(even.span)), shift)
     m_value = build.shift_right(moment, shift)
-    least = (min(even.halves) * (3 << (AREA_BITS - 2)) + half) >> shift if fires else 0
-    a_value = build.floored(a_value, least)
     a, m = build.local(scope.name(f"{name}_a"), a_value), build.local(scope.name(f"{name}_m"), m_value)
     body: list[Stmt] = [Define(a, a_value, True), Define(m, m_value, True)]
-    steps, raw, tail = mean_to_raw(output.variable, m, build.mul(a, Const(even.span)), division, scope)
-    slip = float(Fraction(half) / even.scale.area)
-    return body + steps, raw, CentroidNumbers(sets, tail, slip, slip / even.span)
+    steps, raw, tail = mean_to_raw(output.variable, m, a, division, scope)
+    slip = float(2**shift / (even.scale.area * even.span)) if shift else 0.0
+    return body + steps, raw, CentroidNumbers(sets, tail, slip, slip)
 
 
 def _lowers(form: ClippedSet) -> bool:
@@ -209,7 +202,7 @@ def _group(
             Define(other, member(k), True),
             Branch(build.compare("<", other, height), (Assign(height, other),)),
         ]
-    multiple = even.halves[form.members[0]] if even is not None and len(form.members) == 1 else 1
+    multiple = even.counts[form.members[0]] if even is not None and len(form.members) == 1 else 1
     if even is None:
         found = evaluate(form, scale, height, scope, name)
     else:

@@ -8,6 +8,7 @@ are all that any program for such an output computes, and every such program add
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -25,23 +26,23 @@ MAX_TERMS = 8
 """Sets of terms are bits of a byte."""
 AREA_BITS = 22
 """A half triangle's area of 1/2 spacing is ``2**22``; its moment's unit is that times half a spacing."""
-MAX_SPAN = 16
-"""Half spacings in a range: keeps sums of moments below 2**32."""
+MAX_SPAN = 20
+"""Half spacings in a range, and what is integrated over: keeps sums of moments below 2**32."""
 SQUARE_SHIFT = 30 - AREA_BITS
 HEIGHT_SHIFT = AREA_BITS - 14
-DIVISOR_LIMIT = 2**24
-"""Areas times the range stay below it, so that two hardware divisions make a quotient."""
+DIVISOR_BITS = 24
+"""Areas times the range keep these, so that two hardware divisions make a quotient."""
 MOMENT_BIAS = 2 ** (AREA_BITS + 1)
 """Keeps a sum of moments positive on its way: an end's cube may be subtracted before the rest of its moment comes."""
 
 
 @dataclass(frozen=True)
 class EvenOutput:
-    """By term, ``halves``: the half triangles that it is made of, ``peaks``: half spacings from the range's low end,
-    ``ends``: 1 for a half triangle that falls, -1 for one that rises, 0 for a whole one. ``met``: the terms that
-    overlap the next one.
+    """Areas are counted in ``unit`` half triangles, places in equal parts of the range, of which it has ``span``.
 
-    ``span``: half spacings in the range. ``domain``: the area of all that is integrated over, in half triangles.
+    By term, ``halves``: the half triangles that it is made of, ``counts``: its area, ``peaks``: its place, ``ends``: 1
+    for a half triangle that falls, -1 for one that rises, 0 for a whole one. ``met``: the terms that overlap the next
+    one. ``half``: a half triangle's area, relative to the range. ``domain``: the area of all that is integrated over.
     """
 
     forms: tuple[ClippedSet, ...]
@@ -51,23 +52,22 @@ class EvenOutput:
     met: tuple[int, ...]
     span: int
     domain: int
+    half: Fraction
+    unit: int
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        return tuple(h // self.unit for h in self.halves)
 
     @property
     def scale(self) -> Scale:
         """Integer units of a relative area."""
-        return Scale(Fraction(self.span) * 2**AREA_BITS, self.span, True)
+        return Scale(2**AREA_BITS / (self.half * self.unit), self.span, True)
 
     @property
     def shift(self) -> int:
-        """What area and moment are shortened by before they are divided."""
-        shift = 2
-        while self.largest_area(shift) * self.span >= DIVISOR_LIMIT:
-            shift += 1
-        return shift
-
-    def largest_area(self, shift: int) -> int:
-        """The shortened area of the whole domain."""
-        return ((self.domain << AREA_BITS) + (1 << (shift - 1))) >> shift
+        """What area times span, and moment, are shortened by before they are divided."""
+        return max(0, (self.domain * self.span << AREA_BITS).bit_length() - DIVISOR_BITS)
 
 
 def even_output(output: Output) -> EvenOutput | None:
@@ -94,19 +94,24 @@ def even_output(output: Output) -> EvenOutput | None:
     peaks = [f.reference * span for f in singles]
     middles = [f.reference * span for f in pairs]
     domain = (output.integrate_hi - output.integrate_lo) / (output.variable.hi - output.variable.lo) * span
-    if any(x.denominator != 1 for x in (span, domain, *peaks, *middles)) or span > MAX_SPAN:
+    if any(x.denominator != 1 for x in (span, domain, *peaks, *middles)) or max(span, domain) > MAX_SPAN:
         return None
     if any(m != peaks[f.members[0]] + 1 or m != peaks[f.members[1]] - 1 for m, f in zip(middles, pairs, strict=True)):
         return None
-    met = tuple(f.members[0] for f in pairs)
+    # Without ends and overlaps all counts may have a factor in common, and without ends all places.
+    ends = tuple(f.moment_sign for f in singles)
+    unit = 1 if pairs else math.gcd(*map(int, halves))
+    part = 1 if any(ends) else math.gcd(int(span), *map(int, peaks), *map(int, middles))
     return EvenOutput(
         forms,
         tuple(map(int, halves)),
-        tuple(map(int, peaks)),
-        tuple(f.moment_sign for f in singles),
-        met,
-        int(span),
-        int(domain),
+        tuple(int(p) // part for p in peaks),
+        ends,
+        tuple(f.members[0] for f in pairs),
+        int(span) // part,
+        int(domain) // unit,
+        1 / span,
+        unit,
     )
 
 
@@ -129,11 +134,11 @@ def evaluate_even(form: ClippedSet, even: EvenOutput, height: Local, scope: Scop
     steps, area, moment = _draft(form, height, scope, name)
     count = even.halves[form.members[0]] if len(form.members) == 1 else 1
     exact_area, exact_moment = closed_form(form)
-    unit, slack = float(even.scale.area), 2.0**-44  # float64 evaluation: under 2**8 roundings of values below 1
-    area_error = np.abs(areas / unit - exact_area / count) + slack
+    half, slack = float(even.half / 2**AREA_BITS), 2.0**-44  # float64: under 2**8 roundings of values below 1
+    area_error = np.abs(areas * half - exact_area / count) + slack
     moment_error = np.zeros_like(exact_area)
     if moment is not None:
-        moment_error = np.abs(moments / (unit * even.span) - exact_moment) + slack
+        moment_error = np.abs(moments * half / even.span - exact_moment) + slack
     return Evaluated(steps, area, moment, area_error, moment_error, (len(form.members), moment is not None))
 
 

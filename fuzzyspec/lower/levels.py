@@ -147,17 +147,19 @@ def _sums(output: Output, even: EvenOutput, place: int, firing: Firing, scope: S
 
 
 def _started(t: _Sums) -> list[Stmt]:
-    """Both sums begin with the half that rounds them in the end; it also outweighs their squares' roundings."""
-    half = 1 << (t.even.shift - 1)
-    return [Define(t.area, Const(half), False), Define(t.moment, Const(half + MOMENT_BIAS), False)]
+    return [Define(t.area, Const(0), False), Define(t.moment, Const(_bias(t.even)), False)]
+
+
+def _bias(even: EvenOutput) -> int:
+    return MOMENT_BIAS if any(even.ends) else 0
 
 
 def _factors(even: EvenOutput, terms: int) -> tuple[int, int, int, int]:
     """How often a set of terms covers a difference of heights and of squares: in area, and in moment."""
     own = [k for k in range(len(even.peaks)) if terms >> k & 1]
     met = [k for k in own if k in even.met and k + 1 in own]
-    area = sum(even.halves[k] for k in own)
-    moment = sum(even.halves[k] * even.peaks[k] for k in own)
+    area = sum(even.counts[k] for k in own)
+    moment = sum(even.counts[k] * even.peaks[k] for k in own)
     middle = sum(even.peaks[k] + 1 for k in met)
     turn = sum(even.ends[k] for k in own)
     return area - len(met), area - 2 * len(met), moment - middle + turn, moment - 2 * middle + 2 * turn
@@ -221,9 +223,7 @@ def _any(terms: Local, bits: int) -> Test:
 
 
 def _mean(t: _Sums, division: Division, scope: Scope) -> tuple[list[Stmt], Expr, CentroidNumbers]:
-    moment = build.sub_guarded(t.moment, Const(MOMENT_BIAS), build.UINT32_MAX - MOMENT_BIAS)
+    moment = build.sub_guarded(t.moment, Const(_bias(t.even)), build.UINT32_MAX - _bias(t.even))
     comment = Comment(f"centroid of {t.output.name}")
-    steps, raw, numbers = even_mean(
-        t.output, t.even, t.area, moment, even_sets(t.even), division, scope, rounded=True, fires=True
-    )
+    steps, raw, numbers = even_mean(t.output, t.even, t.area, moment, even_sets(t.even), division, scope, fires=True)
     return [comment, *steps], raw, numbers

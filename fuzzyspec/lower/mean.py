@@ -54,6 +54,8 @@ def mean_to_raw(
         else math.floor(low + HALF + Fraction(m, 2))
     )
     offset = min(offset, build.UINT32_MAX - m * QUOTIENT_ONE)
+    while shift and m % 2 == 0 and offset % 2 == 0:
+        m, shift, offset = m // 2, shift - 1, offset // 2
     scaled = build.mul(t, Const(m))
     if offset < 0:
         bound = build.local(scope.name(f"{variable.name}_scaled"), scaled)

@@ -105,16 +105,22 @@ class Minors:
         strength = build.local(scope.name("majors"), majors)
         body.append(Define(strength, majors, True))
         yield strength, [self.base]
-        offsets: list[Expr] = [self.base]
-        for minor in self.sorted:
+        for i, minor in enumerate(self.sorted):
+            # The cells that take this minor and any of the larger ones, each one step from the cell before it (a Gray
+            # code), so that none has to be kept.
+            at: Expr = self.base
             places: list[Expr] = []
-            for offset in offsets:
-                # Every such sum is the index of a cell: majors and minors both lie in their input's terms.
+            for count in range(1 << i):
+                bit = (count & -count).bit_length() - 1
+                step = minor.step if count == 0 else self.sorted[bit].step
+                taken = count == 0 or (count ^ count >> 1) >> bit & 1
+                # Every such place is the index of a cell: majors and minors both lie in their input's terms.
+                value = build.add_bounded(at, step, last) if taken else build.sub_guarded(at, step, last)
                 place = Local(scope.name("cell"), "int32", 0, last)
-                body.append(Define(place, build.add_bounded(offset, minor.step, last), True))
+                body.append(Define(place, value, True))
                 places.append(place)
+                at = place
             yield minor.degree, places
-            offsets += places
 
     def ties(self, groups: list[Group], act: Act, body: list[Stmt]) -> None:
         """Where a minor is 1/2 its cells are as strong as that of the majors: the higher priority acts."""

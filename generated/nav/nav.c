@@ -193,16 +193,19 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
             const uint32_t rest_10 = 32768U - eta_d_d;
             const uint32_t ddc_B_4 = (eta_t_d < rest_10) ? eta_t_d : rest_10;
             const uint32_t ddc_B_5 = (ddc_B_3 > ddc_B_4) ? ddc_B_3 : ddc_B_4;
-            const uint32_t ddc_M_square_6 = (ddc_M_6 * ddc_M_6) >> 8U;
-            const uint32_t ddc_M_part_6 = (ddc_M_6 << 8U) - ddc_M_square_6;
+            const uint32_t ddc_M_square_4 = (ddc_M_6 * ddc_M_6) >> 8U;
             const uint32_t ddc_B_square_3 = (ddc_B_5 * ddc_B_5) >> 8U;
-            const uint32_t ddc_B_part_3 = (ddc_B_5 << 8U) - ddc_B_square_3;
-            const uint32_t ddc_both_4 = (ddc_M_6 < ddc_B_5) ? ddc_M_6 : ddc_B_5;
-            const uint32_t ddc_M_c_3 = ddc_both_4;
-            const uint32_t ddc_M_square_7 = (ddc_M_c_3 * ddc_M_c_3) >> 8U;
-            const uint32_t ddc_M_part_7 = (ddc_M_c_3 << 8U) - (ddc_M_square_7 * 2U);
-            ddc_area = (ddc_M_part_6 * 2U) + (ddc_B_part_3 * 2U) - ddc_M_part_7;
-            ddc_moment = (ddc_M_part_6 * 4U) + (ddc_B_part_3 * 8U) - (ddc_M_part_7 * 3U);
+            if (ddc_M_6 < ddc_B_5) {
+                ddc_area = ((ddc_M_6 + (ddc_B_5 * 2U)) << 8U)
+                    - (((uint32_t)0U << 8U) + (ddc_B_square_3 * 2U));
+                ddc_moment = ((ddc_M_6 + (ddc_B_5 * 8U)) << 8U) + (ddc_M_square_4 * 2U)
+                    - (((uint32_t)0U << 8U) + (ddc_B_square_3 * 8U));
+            } else {
+                ddc_area = (((ddc_M_6 * 2U) + ddc_B_5) << 8U)
+                    - (((uint32_t)0U << 8U) + (ddc_M_square_4 * 2U));
+                ddc_moment = (((ddc_M_6 * 4U) + (ddc_B_5 * 5U)) << 8U)
+                    - (((uint32_t)0U << 8U) + ((ddc_M_square_4 * 4U) + (ddc_B_square_3 * 2U)));
+            }
         } else {
             /* between the peaks of TS TM, DM DB */
             const uint32_t rest_6 = 32768U - eta_d_d;
@@ -210,16 +213,19 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
             const uint32_t ddc_M_5 = (eta_t_d < larger_3) ? eta_t_d : larger_3;
             const uint32_t rest_7 = 32768U - eta_t_d;
             const uint32_t ddc_B_2 = (rest_7 < larger_3) ? rest_7 : larger_3;
-            const uint32_t ddc_M_square_4 = (ddc_M_5 * ddc_M_5) >> 8U;
-            const uint32_t ddc_M_part_4 = (ddc_M_5 << 8U) - ddc_M_square_4;
+            const uint32_t ddc_M_square_3 = (ddc_M_5 * ddc_M_5) >> 8U;
             const uint32_t ddc_B_square_2 = (ddc_B_2 * ddc_B_2) >> 8U;
-            const uint32_t ddc_B_part_2 = (ddc_B_2 << 8U) - ddc_B_square_2;
-            const uint32_t ddc_both_3 = (ddc_M_5 < ddc_B_2) ? ddc_M_5 : ddc_B_2;
-            const uint32_t ddc_M_c_2 = ddc_both_3;
-            const uint32_t ddc_M_square_5 = (ddc_M_c_2 * ddc_M_c_2) >> 8U;
-            const uint32_t ddc_M_part_5 = (ddc_M_c_2 << 8U) - (ddc_M_square_5 * 2U);
-            ddc_area = (ddc_M_part_4 * 2U) + (ddc_B_part_2 * 2U) - ddc_M_part_5;
-            ddc_moment = (ddc_M_part_4 * 4U) + (ddc_B_part_2 * 8U) - (ddc_M_part_5 * 3U);
+            if (ddc_M_5 < ddc_B_2) {
+                ddc_area = ((ddc_M_5 + (ddc_B_2 * 2U)) << 8U)
+                    - (((uint32_t)0U << 8U) + (ddc_B_square_2 * 2U));
+                ddc_moment = ((ddc_M_5 + (ddc_B_2 * 8U)) << 8U) + (ddc_M_square_3 * 2U)
+                    - (((uint32_t)0U << 8U) + (ddc_B_square_2 * 8U));
+            } else {
+                ddc_area = (((ddc_M_5 * 2U) + ddc_B_2) << 8U)
+                    - (((uint32_t)0U << 8U) + (ddc_M_square_3 * 2U));
+                ddc_moment = (((ddc_M_5 * 4U) + (ddc_B_2 * 5U)) << 8U)
+                    - (((uint32_t)0U << 8U) + ((ddc_M_square_3 * 4U) + (ddc_B_square_2 * 2U)));
+            }
         }
     } else if (eta_d_term == 0U) {
         /* between the peaks of TM TB, DS DM */
@@ -229,15 +235,18 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         const uint32_t rest_5 = 32768U - eta_d_d;
         const uint32_t ddc_B = (larger_2 < rest_5) ? larger_2 : rest_5;
         const uint32_t ddc_M_square_2 = (ddc_M_4 * ddc_M_4) >> 8U;
-        const uint32_t ddc_M_part_2 = (ddc_M_4 << 8U) - ddc_M_square_2;
         const uint32_t ddc_B_square = (ddc_B * ddc_B) >> 8U;
-        const uint32_t ddc_B_part = (ddc_B << 8U) - ddc_B_square;
-        const uint32_t ddc_both_2 = (ddc_M_4 < ddc_B) ? ddc_M_4 : ddc_B;
-        const uint32_t ddc_M_c = ddc_both_2;
-        const uint32_t ddc_M_square_3 = (ddc_M_c * ddc_M_c) >> 8U;
-        const uint32_t ddc_M_part_3 = (ddc_M_c << 8U) - (ddc_M_square_3 * 2U);
-        ddc_area = (ddc_M_part_2 * 2U) + (ddc_B_part * 2U) - ddc_M_part_3;
-        ddc_moment = (ddc_M_part_2 * 4U) + (ddc_B_part * 8U) - (ddc_M_part_3 * 3U);
+        if (ddc_M_4 < ddc_B) {
+            ddc_area = ((ddc_M_4 + (ddc_B * 2U)) << 8U)
+                - (((uint32_t)0U << 8U) + (ddc_B_square * 2U));
+            ddc_moment = ((ddc_M_4 + (ddc_B * 8U)) << 8U) + (ddc_M_square_2 * 2U)
+                - (((uint32_t)0U << 8U) + (ddc_B_square * 8U));
+        } else {
+            ddc_area = (((ddc_M_4 * 2U) + ddc_B) << 8U)
+                - (((uint32_t)0U << 8U) + (ddc_M_square_2 * 2U));
+            ddc_moment = (((ddc_M_4 * 4U) + (ddc_B * 5U)) << 8U)
+                - (((uint32_t)0U << 8U) + ((ddc_M_square_2 * 4U) + (ddc_B_square * 2U)));
+        }
     } else {
         /* between the peaks of TM TB, DM DB */
         const uint32_t ddc_S = (eta_t_d < eta_d_d) ? eta_t_d : eta_d_d;
@@ -249,21 +258,23 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         const uint32_t ddc_M_2 = (eta_t_d < rest_3) ? eta_t_d : rest_3;
         const uint32_t ddc_M_3 = (ddc_M > ddc_M_2) ? ddc_M : ddc_M_2;
         const uint32_t ddc_S_square = (ddc_S * ddc_S) >> 8U;
-        const uint32_t ddc_S_part = (ddc_S << 8U) - ddc_S_square;
         const uint32_t ddc_M_square = (ddc_M_3 * ddc_M_3) >> 8U;
-        const uint32_t ddc_M_part = (ddc_M_3 << 8U) - ddc_M_square;
-        const uint32_t ddc_both = (ddc_S < ddc_M_3) ? ddc_S : ddc_M_3;
-        const uint32_t ddc_S_c = ddc_both;
-        const uint32_t ddc_S_square_2 = (ddc_S_c * ddc_S_c) >> 8U;
-        const uint32_t ddc_S_part_2 = (ddc_S_c << 8U) - (ddc_S_square_2 * 2U);
-        ddc_area = (ddc_S_part * 2U) + (ddc_M_part * 2U) - ddc_S_part_2;
-        ddc_moment = (ddc_M_part * 4U) - ddc_S_part_2;
+        if (ddc_S < ddc_M_3) {
+            ddc_area = ((ddc_S + (ddc_M_3 * 2U)) << 8U)
+                - (((uint32_t)0U << 8U) + (ddc_M_square * 2U));
+            ddc_moment = ((ddc_M_3 * 4U) << 8U) + (ddc_S_square * 2U)
+                - ((ddc_S << 8U) + (ddc_M_square * 4U));
+        } else {
+            ddc_area = (((ddc_S * 2U) + ddc_M_3) << 8U)
+                - (((uint32_t)0U << 8U) + (ddc_S_square * 2U));
+            ddc_moment = ((ddc_M_3 * 3U) << 8U) - (((uint32_t)0U << 8U) + (ddc_M_square * 2U));
+        }
     }
 
     /* centroid of ddc */
-    const uint32_t ddc_a = (ddc_area + 8U) >> 4U;
-    const uint32_t ddc_m = (ddc_moment + 8U) >> 4U;
-    const uint32_t ddc_t = nav_quotient(ddc_m, ddc_a * 4U);
+    const uint32_t ddc_a = ddc_area >> 2U;
+    const uint32_t ddc_m = ddc_moment >> 4U;
+    const uint32_t ddc_t = nav_quotient(ddc_m, ddc_a);
     const uint32_t ddc_steps = (ddc_t + 1U) >> 1U;
     out->ddc = (uint16_t)ddc_steps;
 
@@ -463,10 +474,10 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     const uint32_t majors = 32768U - minor;
 
     /* terms by levels, the strongest first: what they cover between one level and the next */
-    uint32_t v_area = 16U;
-    uint32_t v_moment = 8388624U;
-    uint32_t w_area = 32U;
-    uint32_t w_moment = 8388640U;
+    uint32_t v_area = 0U;
+    uint32_t v_moment = 0U;
+    uint32_t w_area = 0U;
+    uint32_t w_moment = 0U;
     const uint32_t terms = NAV_READ_U16(nav_velocity_rules, cell);
     const uint32_t level_square = (majors * majors) >> 8U;
     uint32_t seen = terms;
@@ -487,7 +498,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         - (NAV_READ_U8(nav_velocity_w_covers, w_row + 3U) * drop_square);
     seen = seen | terms_2;
     const uint32_t cell_3 = (uint32_t)((int32_t)cell + step_2);
-    const uint32_t cell_4 = (uint32_t)((int32_t)cell_2 + step_2);
+    const uint32_t cell_4 = (uint32_t)((int32_t)cell_3 + step);
     const uint32_t terms_3 = (uint32_t)NAV_READ_U16(nav_velocity_rules,
         cell_3) | NAV_READ_U16(nav_velocity_rules, cell_4);
     const uint32_t level_square_3 = (minor_2 * minor_2) >> 8U;
@@ -505,9 +516,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         - (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 3U) * drop_square_2);
     seen = seen | terms_3;
     const uint32_t cell_5 = (uint32_t)((int32_t)cell + step_3);
-    const uint32_t cell_6 = (uint32_t)((int32_t)cell_2 + step_3);
-    const uint32_t cell_7 = (uint32_t)((int32_t)cell_3 + step_3);
-    const uint32_t cell_8 = (uint32_t)((int32_t)cell_4 + step_3);
+    const uint32_t cell_6 = (uint32_t)((int32_t)cell_5 + step);
+    const uint32_t cell_7 = (uint32_t)((int32_t)cell_6 + step_2);
+    const uint32_t cell_8 = (uint32_t)((int32_t)cell_7 - step);
     const uint32_t terms_4 = (((uint32_t)NAV_READ_U16(nav_velocity_rules,
         cell_5) | NAV_READ_U16(nav_velocity_rules, cell_6)) | NAV_READ_U16(nav_velocity_rules,
         cell_7)) | NAV_READ_U16(nav_velocity_rules, cell_8);
@@ -526,13 +537,13 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         - (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 3U) * drop_square_3);
     seen = seen | terms_4;
     const uint32_t cell_9 = (uint32_t)((int32_t)cell + step_4);
-    const uint32_t cell_10 = (uint32_t)((int32_t)cell_2 + step_4);
-    const uint32_t cell_11 = (uint32_t)((int32_t)cell_3 + step_4);
-    const uint32_t cell_12 = (uint32_t)((int32_t)cell_4 + step_4);
-    const uint32_t cell_13 = (uint32_t)((int32_t)cell_5 + step_4);
-    const uint32_t cell_14 = (uint32_t)((int32_t)cell_6 + step_4);
-    const uint32_t cell_15 = (uint32_t)((int32_t)cell_7 + step_4);
-    const uint32_t cell_16 = (uint32_t)((int32_t)cell_8 + step_4);
+    const uint32_t cell_10 = (uint32_t)((int32_t)cell_9 + step);
+    const uint32_t cell_11 = (uint32_t)((int32_t)cell_10 + step_2);
+    const uint32_t cell_12 = (uint32_t)((int32_t)cell_11 - step);
+    const uint32_t cell_13 = (uint32_t)((int32_t)cell_12 + step_3);
+    const uint32_t cell_14 = (uint32_t)((int32_t)cell_13 + step);
+    const uint32_t cell_15 = (uint32_t)((int32_t)cell_14 - step_2);
+    const uint32_t cell_16 = (uint32_t)((int32_t)cell_15 - step);
     const uint32_t terms_5 = (((((((uint32_t)NAV_READ_U16(nav_velocity_rules,
         cell_9) | NAV_READ_U16(nav_velocity_rules, cell_10)) | NAV_READ_U16(nav_velocity_rules,
         cell_11)) | NAV_READ_U16(nav_velocity_rules, cell_12)) | NAV_READ_U16(nav_velocity_rules,
@@ -670,16 +681,16 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     out->acting = (uint8_t)acting;
 
     /* centroid of v */
-    const uint32_t v_a = v_area >> 5U;
-    const uint32_t v_m = (v_moment - 8388608U) >> 5U;
-    const uint32_t v_t = nav_quotient_3(v_m, v_a * 8U);
+    const uint32_t v_a = v_area >> 2U;
+    const uint32_t v_m = v_moment >> 5U;
+    const uint32_t v_t = nav_quotient_3(v_m, v_a);
     const uint32_t v_steps = ((v_t * 45875U) + 62259U) >> 16U;
     out->v = (uint16_t)v_steps;
 
     /* centroid of w */
-    const uint32_t w_a = w_area >> 6U;
-    const uint32_t w_m = (w_moment - 8388608U) >> 6U;
-    const uint32_t w_t = nav_quotient_3(w_m, w_a * 12U);
+    const uint32_t w_a = (w_area * 12U) >> 6U;
+    const uint32_t w_m = w_moment >> 6U;
+    const uint32_t w_t = nav_quotient_3(w_m, w_a);
     const uint32_t w_scaled = w_t * 39322U;
     const uint32_t w_steps = ((w_scaled > 13107U) ? (w_scaled - 13107U) : 0U) >> 16U;
     out->w = (int16_t)((int32_t)((w_steps < 39320U) ? w_steps : 39320U) - 19660);

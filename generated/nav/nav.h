@@ -123,10 +123,10 @@ typedef struct {
 } nav_velocity_output_t;
 
 /* One call of controller velocity.
- * v: certified error 0.000049 m/s, 0.0069 % of range; reaches 0 .. 0.7 m/s while a rule fires
- * w: certified error 0.000076 rad/s, 0.013 % of range; reaches -0.3 .. 0.3 rad/s while a rule fires
- * errors of v by origin: degrees 65 %, areas and moments 5 %, quotient and rounding 30 %
- * errors of w by origin: degrees 76 %, areas and moments 3 %, quotient and rounding 20 %
+ * v: certified error 0.000048 m/s, 0.0068 % of range; reaches 0 .. 0.7 m/s while a rule fires
+ * w: certified error 0.000075 rad/s, 0.013 % of range; reaches -0.3 .. 0.3 rad/s while a rule fires
+ * errors of v by origin: degrees 66 %, areas and moments 3 %, quotient and rounding 31 %
+ * errors of w by origin: degrees 77 %, areas and moments 2 %, quotient and rounding 21 %
  * decisions on computed values, where the exact meaning may decide otherwise only this near a tie:
  *   which behavior acts [acting]: within 0.000034
  */

@@ -286,7 +286,7 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
             : 0U;
         const uint32_t duty_a = (duty_area > duty_overlap) ? (duty_area - duty_overlap) : 0U;
         const uint32_t duty_t = temperature_quotient(duty_m, duty_a * 10U);
-        const uint32_t duty_steps = ((duty_t * 51200U) + 8414208U) >> 24U;
+        const uint32_t duty_steps = ((duty_t * 50U) + 8217U) >> 14U;
         out->duty = (uint8_t)duty_steps;
         state->duty = (uint8_t)duty_steps;
     } else {

@@ -171,15 +171,15 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
         if (tip_h > 0U) {
             const uint32_t tip_square = (tip_h * tip_h) >> 8U;
             const uint32_t tip_part = (tip_h << 8U) - tip_square;
-            tip_area = tip_area + (tip_part * 2U);
-            tip_moment = tip_moment + (tip_part * ((k_4 * 8U) + 4U));
+            tip_area = tip_area + tip_part;
+            tip_moment = tip_moment + (tip_part * ((k_4 * 2U) + 1U));
         }
     }
 
-    const uint32_t tip_a = (tip_area + 32U) >> 6U;
-    const uint32_t tip_m = (tip_moment + 32U) >> 6U;
-    const uint32_t tip_t = tipper_quotient(tip_m, tip_a * 12U);
-    const uint32_t tip_steps = ((tip_t * 61440U) + 63488U) >> 16U;
+    const uint32_t tip_a = (tip_area * 6U) >> 4U;
+    const uint32_t tip_m = tip_moment >> 4U;
+    const uint32_t tip_t = tipper_quotient(tip_m, tip_a);
+    const uint32_t tip_steps = ((tip_t * 30U) + 31U) >> 5U;
     out->tip = (uint16_t)tip_steps;
 
     return status;
