@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
@@ -16,7 +16,19 @@ from fuzzyspec.model.budget import QUANTITIES, Budget, Machine, Quantity
 from tests.cost.cost_specs import PLAIN, compiler_for
 
 NOWHERE = Span(0, 0)
-M0 = Record("cortex-m0plus", "O2", "fan", "gcc", 80.5, 100, 95.5, 120, 500, 440, 0, 48, True)
+MEASURED = {
+    "target": "cortex-m0plus",
+    "option": "O2",
+    "function": "fan",
+    "instructions_mean": 80.5,
+    "instructions_max": 100,
+    "cycles_mean": 95.5,
+    "cycles_max": 120,
+    "flash": 500,
+    "ram": 0,
+    "stack": 48,
+}
+M0 = Record(**dict.fromkeys((f.name for f in fields(Record)), None) | MEASURED)
 AVR = replace(M0, target="avr", instructions_mean=None, instructions_max=None, cycles_mean=400.0, cycles_max=450)
 SMALL = replace(M0, option="Os", flash=400, instructions_max=150)
 FIGURES: dict[Quantity, int] = {"flash": 500, "ram": 0, "stack": 48, "instructions": 100, "cycles": 120}
