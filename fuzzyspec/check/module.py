@@ -11,7 +11,7 @@ from fuzzyspec.check.damage import Damage
 from fuzzyspec.check.expressions import FOLDS, FUNCTIONS
 from fuzzyspec.check.findings import Findings
 from fuzzyspec.check.limits import check_limits
-from fuzzyspec.check.names import Names, check_identifier, check_reserved, report_duplicate
+from fuzzyspec.check.names import Names, check_header, check_identifier, check_reserved, report_duplicate
 from fuzzyspec.check.system import check_system
 from fuzzyspec.check.units import Units
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Label, Source
@@ -86,6 +86,7 @@ class _ModuleChecker:
         module = self._module
         if module.name is not None:
             check_identifier("module", module.name, self._report)
+            check_header(module.name, self._report)
         functions = [i for i in module.items if isinstance(i, tree.ControllerDecl | tree.SystemDecl)]
         if not functions and not self._damage:
             self._report(

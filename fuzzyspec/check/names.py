@@ -22,6 +22,11 @@ _CPP = """
     private protected public reinterpret_cast static_assert static_cast template this thread_local throw true try typeid
     typename using virtual wchar_t xor xor_eq
 """
+_HEADERS = """
+    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic
+    stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype
+"""
+C_HEADERS = frozenset(_HEADERS.split())
 C_KEYWORDS = frozenset(_C.split())
 CPP_KEYWORDS = frozenset(_CPP.split())
 _STDINT = re.compile(r"u?int(_least|_fast)?\d+_t|u?int(max|ptr)_t")
@@ -116,6 +121,20 @@ def check_identifier(what: str, name: tree.Name, report: Report, field: bool = T
                 name.span,
                 label=reason,
                 help="choose another name",
+            )
+        )
+
+
+def check_header(name: tree.Name, report: Report) -> None:
+    """A module's name becomes its header's, which must not stand before one of C's own."""
+    if name.text.lower() in C_HEADERS:
+        report(
+            Diagnostic(
+                "FZ211",
+                f"`{name.text}` cannot be the name of a module",
+                name.span,
+                label=f"its header would be taken for <{name.text.lower()}.h> of C",
+                help=f"choose another name, say `{name.text}_control`",
             )
         )
 

@@ -124,6 +124,7 @@ CODES: tuple[Code, ...] = (
         Inputs, outputs and fields become members of structs in the generated C, which C++ must be able to read
         too. Their names cannot be keywords of either, nor begin with an underscore. Some names have a meaning
         already: `count` of a list, `acting` of a controller with behaviors, and the functions of the language.
+        A module cannot be called as a header of C is: its own header, `stdint.h` say, would be read instead.
 
             input default in [0, 1] { .. }
 

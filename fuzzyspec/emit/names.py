@@ -30,14 +30,23 @@ RESERVED = frozenset(_KEYWORDS.split()) | frozenset(_STDINT) | {"intmax_t", "uin
 
 
 class Scope:
-    """Names in use; ``claim`` hands out one that is still free."""
+    """Names in use; ``claim`` hands out one that is still free.
 
-    def __init__(self, taken: Iterable[str] = ()) -> None:
+    Where ``capitals`` may not stand, as they may for macros, names without a small letter are not free: ``SP`` and
+    ``PORTB`` are registers to whoever includes ``<avr/io.h>``, and so in the vendors' headers for other machines.
+    """
+
+    def __init__(self, taken: Iterable[str] = (), *, capitals: bool = True) -> None:
         self._taken = set(taken)
+        self._capitals = capitals
+
+    def _hidden(self, name: str) -> bool:
+        register = not self._capitals and re.fullmatch(r"[A-Z][A-Z0-9_]*[A-Z0-9]", name) is not None
+        return register or name in self._taken or name in RESERVED
 
     def free(self, name: str) -> bool:
         """Whether ``claim`` would give the name as it is."""
-        return name == identifier(name) and name not in self._taken and name not in RESERVED
+        return name == identifier(name) and not self._hidden(name)
 
     def taken(self) -> frozenset[str]:
         """Every name handed out."""
@@ -54,7 +63,7 @@ class Scope:
     def claim(self, name: str) -> str:
         """The name, or where it is taken the name with underscores."""
         wanted = identifier(name)
-        while wanted in self._taken or wanted in RESERVED:
+        while self._hidden(wanted):
             wanted += "_"
         self._taken.add(wanted)
         return wanted
@@ -177,7 +186,7 @@ def _name_function(function: Function, stem: str, symbols: Scope, macros: Scope)
     state_t = symbols.claim(f"{stem}_state_t")
     init = symbols.claim(f"{stem}_init")
     lists = [p for p in function.inputs if isinstance(p, ListPort)]
-    members = Scope()
+    members = Scope(capitals=False)
     inputs = {p.name: members.claim(p.name) for p in function.inputs}
     counts = {p.name: members.claim(f"{inputs[p.name]}_count") for p in lists}
     return FunctionNames(
@@ -213,5 +222,5 @@ def _limits(function: Function, macro: str, macros: Scope) -> dict[str, str]:
 
 
 def _members(names: Iterable[str]) -> dict[str, str]:
-    scope = Scope()
+    scope = Scope(capitals=False)
     return {name: scope.claim(name) for name in names}

@@ -99,7 +99,8 @@ def _tested(
     own = names.functions[function.name]
     moves: list[tuple[str, ...]] = []
     lists: list[Filled] = []
-    taken = Scope({"in", "out", "state", "status", "differs", "i", "j", "at"} | names.globals | names.macros)
+    used = {"in", "out", "state", "status", "differs", "i", "j", "at"}
+    taken = Scope(used | names.globals | names.macros, capitals=False)
     for port in function.inputs:
         if isinstance(port, ListPort):
             key = f"{port.name}.count"

@@ -84,7 +84,7 @@ def print_body(program: Program, function: Function, names: Names) -> Body:
 
 def _context(program: Program, function: Function, names: Names, body: tuple[Stmt, ...]) -> _Context:
     own = names.functions[function.name]
-    taken = Scope({"in", "out", "state", "status"} | names.globals | names.macros)
+    taken = Scope({"in", "out", "state", "status"} | names.globals | names.macros, capitals=False)
     lists = {p.name: p for p in function.inputs if isinstance(p, ListPort)}
     locals_: dict[str, str] = {}
     for name in _local_names(body):

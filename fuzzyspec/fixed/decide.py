@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import assert_never
 
@@ -11,6 +12,7 @@ from fuzzyspec.fixed.program import (
     AnyOf,
     Binary,
     Compare,
+    CompareOp,
     Const,
     Element,
     Expr,
@@ -35,15 +37,66 @@ def decided(test: Test) -> bool | None:
             return _compare(test)
         case AllOf():
             outcomes = [decided(t) for t in test.operands]
-            return False if False in outcomes else None if None in outcomes else True
+            if False in outcomes or not _can_hold(test.operands):
+                return False
+            return None if None in outcomes else True
         case AnyOf():
             outcomes = [decided(t) for t in test.operands]
-            return True if True in outcomes else None if None in outcomes else False
+            if True in outcomes or not _can_hold(tuple(NotTest(t) for t in test.operands)):
+                return True
+            return None if None in outcomes else False
         case NotTest():
             outcome = decided(test.operand)
             return None if outcome is None else not outcome
         case _:
             assert_never(test)
+
+
+def _can_hold(tests: tuple[Test, ...]) -> bool:
+    """Whether comparisons with constants leave a value at which all hold: ``x < 2`` and ``x > 3`` do not."""
+    left_over: dict[Expr, tuple[int, int]] = {}
+    for value, op, bound in sorted(_bounds(tests), key=_unequal_last):
+        lo, hi = left_over.get(value, (value.lo, value.hi))
+        match op:
+            case "<" | "<=":
+                hi = min(hi, bound - (op == "<"))
+            case ">" | ">=":
+                lo = max(lo, bound + (op == ">"))
+            case "==":
+                lo, hi = max(lo, bound), min(hi, bound)
+            case "!=":
+                lo, hi = lo + (lo == bound), hi - (hi == bound)
+            case _:
+                assert_never(op)
+        left_over[value] = lo, hi
+    return all(lo <= hi for lo, hi in left_over.values())
+
+
+def _bounds(tests: tuple[Test, ...]) -> Iterator[tuple[Expr, CompareOp, int]]:
+    """The comparisons with constants among tests that hold together, the constant on the right."""
+    for test in tests:
+        match test:
+            case Compare(op, value, Const(bound)):
+                yield value, op, bound
+            case Compare(op, Const(bound), value):
+                yield value, _MIRRORED[op], bound
+            case AllOf(operands):
+                yield from _bounds(operands)
+            case NotTest(Compare(op, left, right)):
+                yield from _bounds((Compare(_OPPOSITE[op], left, right),))
+            case NotTest(AnyOf(operands)):
+                yield from _bounds(tuple(NotTest(t) for t in operands))
+            case _:
+                pass
+
+
+def _unequal_last(bound: tuple[Expr, CompareOp, int]) -> bool:
+    """``!=`` takes away only ends, so the ends come first."""
+    return bound[1] == "!="
+
+
+_OPPOSITE: dict[CompareOp, CompareOp] = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
+_MIRRORED: dict[CompareOp, CompareOp] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 
 
 def _compare(test: Compare) -> bool | None:

@@ -67,3 +67,14 @@ def test_examples_and_benchmarks_are_sound(path: Path) -> None:
     model, more = check(tree, source, found)
     assert (found, more) == ((), ())
     assert model is not None
+
+
+@pytest.mark.parametrize("name", ["stdint", "Math"])
+def test_a_module_is_not_called_as_a_header_of_c(name: str) -> None:
+    """Its own header would be read instead, on some file systems whatever the case."""
+    controller = "input e in [0, 4] { partition A B } output u in [0, 1] { partition A B } table u by e { A: B  B: A }"
+    source = Source("x.fz", f"module {name} controller c {{ {controller} }}")
+    tree, found = parse(source)
+    model, more = check(tree, source, found)
+    assert model is None
+    assert [(d.code, source.text[d.span.start : d.span.end]) for d in (*found, *more)] == [("FZ211", name)]
