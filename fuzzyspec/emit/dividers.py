@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fuzzyspec.fixed.division import CELL_BITS, FIRST_CELL, INVERSE_SHIFT, REFLECTED, TOP_BITS, Kernel
+from fuzzyspec.fixed.division import CELL_BITS, FIRST_CELL, INVERSE_SHIFT, LINE, REFLECTED, TOP_BITS, Kernel
 
 QUOTIENT_BITS = 16
 
@@ -19,8 +19,13 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Reciprocal:
-    """Where the bits lie: ``cell`` and ``top`` in the divisor, ``scaled`` in a remainder, ``digit`` in its product."""
+    """Where the bits lie: ``cell`` and ``top`` in the divisor, ``scaled`` in a remainder, ``digit`` in its product.
 
+    ``line``: what the first guess is taken from, where it does not come from the table.
+    """
+
+    tabled: bool
+    line: int
     steps: tuple[Step, ...]
     cell: int
     first_cell: int
@@ -47,9 +52,10 @@ class Divider:
 def divider(kernel: Kernel, name: str) -> Divider:
     """What the template of a kernel lays out."""
     suffix = f"_{kernel.digit_bits}" if kernel.by == "hardware" else ""
+    form = "reciprocal" if kernel.by == "newton" else kernel.by
     return Divider(
         name,
-        f"quotient_{kernel.by}{suffix}.c.j2",
+        f"quotient_{form}{suffix}.c.j2",
         _domain(kernel),
         kernel.digit_bits,
         QUOTIENT_BITS // kernel.digit_bits,
@@ -63,13 +69,16 @@ def _domain(kernel: Kernel) -> str:
             return "den < 2^31"
         case "hardware":
             return f"den < 2^{32 - kernel.digit_bits}"
-        case "reciprocal":
+        case "newton" | "reciprocal":
             low = f"2^{kernel.smallest_bits - 1} <= " if kernel.smallest_bits > 1 else ""
             return f"{low}den <= 2^{kernel.width}"
 
 
 def _reciprocal(kernel: Kernel) -> Reciprocal:
+    tabled = kernel.by == "reciprocal"
     return Reciprocal(
+        tabled=tabled,
+        line=LINE,
         steps=tuple(Step(2 ** (kernel.width - shift), shift) for shift in kernel.steps),
         cell=kernel.width - CELL_BITS,
         first_cell=FIRST_CELL,
@@ -77,6 +86,6 @@ def _reciprocal(kernel: Kernel) -> Reciprocal:
         reflected=REFLECTED,
         inverse=INVERSE_SHIFT,
         scaled=kernel.width - TOP_BITS + 1,
-        digit=31 - kernel.digit_bits,
+        digit=(31 if tabled else 30) - kernel.digit_bits,
         settles=kernel.settles,
     )

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from fuzzyspec.fixed.division import Kernel, kernel_of
+from fuzzyspec.fixed.division import Kernel, kernel_of, shared
 from fuzzyspec.fixed.program import Function, ListPort, Program, Quotient
 from fuzzyspec.fixed.prune import expressions, nodes, prune
 
@@ -93,8 +93,10 @@ class FunctionNames:
 
 @dataclass(frozen=True)
 class Names:
-    """``functions`` by the model's names, ``quotients`` by how they divide; ``globals`` is everything that a
-    local must not hide."""
+    """``functions`` by the model's names, ``quotients`` by how a node divides, ``dividers`` by what is written.
+
+    ``globals`` is everything that a local must not hide.
+    """
 
     prefix: str
     macro: str
@@ -104,6 +106,7 @@ class Names:
     selftest: str
     mul_high: str
     quotients: Mapping[Kernel, str]
+    dividers: Mapping[Kernel, str]
     reciprocals: str
     functions: Mapping[str, FunctionNames]
     globals: frozenset[str]
@@ -145,9 +148,10 @@ def name_module(program: Program) -> Names:
     digest = macros.claim(f"{macro}_SPEC_DIGEST")
     selftest = symbols.claim(f"{prefix}_selftest")
     mul_high = symbols.claim(f"{prefix}_mul_high")
-    quotients = {
+    kernels = shared(_kernels(program))
+    dividers = {
         kernel: symbols.claim(f"{prefix}_quotient_{number}" if number > 1 else f"{prefix}_quotient")
-        for number, kernel in enumerate(_kernels(program), start=1)
+        for number, kernel in enumerate(sorted(set(kernels.values())), start=1)
     }
     reciprocals = symbols.claim(f"{prefix}_reciprocals")
     for suffix in ("H", "TABLE", *(f"READ_{sign}{bits}" for sign in "US" for bits in (8, 16, 32))):
@@ -164,7 +168,8 @@ def name_module(program: Program) -> Names:
         digest,
         selftest,
         mul_high,
-        quotients,
+        {kernel: dividers[kernels[kernel]] for kernel in kernels},
+        dividers,
         reciprocals,
         {f.name: named[f.name] for f in program.functions},
         symbols.taken(),
@@ -172,10 +177,10 @@ def name_module(program: Program) -> Names:
     )
 
 
-def _kernels(program: Program) -> list[Kernel]:
+def _kernels(program: Program) -> set[Kernel]:
     """What divides in a program, as it is printed."""
     printed = (e for f in program.functions for e in expressions(prune(f.body)))
-    return sorted({kernel_of(n) for e in printed for n in nodes(e) if isinstance(n, Quotient)})
+    return {kernel_of(n) for e in printed for n in nodes(e) if isinstance(n, Quotient)}
 
 
 def _name_function(function: Function, stem: str, symbols: Scope, macros: Scope) -> FunctionNames:

@@ -53,7 +53,7 @@ def source_file(program: Program, names: Names) -> SourceFile:
     """Every function, callees first, and the kernels and macros that they use."""
     bodies = [(f, print_body(program, f, names)) for f in program.functions]
     used = [node for _, body in bodies for e in expressions(body.pruned) for node in nodes(e)]
-    divides_by_table = any(kernel.by == "reciprocal" for kernel in names.quotients)
+    divides_by_table = any(kernel.by == "reciprocal" for kernel in names.dividers)
     looked_up = (printed(names.reciprocals, "uint8", reciprocals()),) if divides_by_table else ()
     return SourceFile(
         functions=tuple(_defined(program, f, names, body) for f, body in bodies),
@@ -62,7 +62,7 @@ def source_file(program: Program, names: Names) -> SourceFile:
             [n.ctype for n in used if isinstance(n, Element) and n.table] + ["uint8" for t in looked_up],
         ),
         uses_mul_high=any(isinstance(n, MulHigh) for n in used),
-        quotients=tuple(divider(kernel, name) for kernel, name in names.quotients.items()),
+        quotients=tuple(divider(kernel, name) for kernel, name in names.dividers.items()),
         reciprocal_tables=looked_up,
     )
 

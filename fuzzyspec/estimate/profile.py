@@ -15,7 +15,7 @@ from fuzzyspec.estimate.features import Features, add, bits_of, of_statement
 from fuzzyspec.estimate.inputs import draw_cases
 from fuzzyspec.estimate.pressure import Pressure, arrays, pressure
 from fuzzyspec.estimate.weights import Weights
-from fuzzyspec.fixed.division import CELLS, kernel_of
+from fuzzyspec.fixed.division import CELLS, kernel_of, shared
 from fuzzyspec.fixed.program import (
     Branch,
     CallFunction,
@@ -162,7 +162,8 @@ def _kernels(program: Program) -> Features:
     found: dict[str, float] = {}
     bodies = [f.body for f in program.functions]
     used = [node for body in bodies for e in expressions(body) for node in nodes(e)]
-    for kernel in {kernel_of(node) for node in used if isinstance(node, Quotient)}:
+    dividing = {kernel_of(node) for node in used if isinstance(node, Quotient)}
+    for kernel in sorted(set(shared(dividing).values())):
         add(found, {f"kernel_{kernel.by}.{kernel.digit_bits}": 1, "kernel_steps": len(kernel.steps)})
     if any(isinstance(node, MulHigh) for node in used):
         add(found, {"kernel_mul_high": 1})

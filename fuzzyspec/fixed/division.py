@@ -6,6 +6,7 @@ asked for, the next best is taken.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from fuzzyspec.fixed.program import Division, Quotient
@@ -19,11 +20,13 @@ COMMON_BITS = 23
 CELLS = 113
 """Reciprocals in the table: of a divisor that is scaled to 16 bits, 2**13 .. 2**16, by its topmost 7."""
 TOP_BITS, CELL_BITS, FIRST_CELL = 16, 7, 16
-MISSING = 2
-"""Bits that a divisor in the table may be short of the largest."""
+MISSING: Mapping[Division, int] = {"newton": 0, "reciprocal": 2}
+"""Bits that a divisor may be short of the largest where its reciprocal begins."""
 REFLECTED = 2**22 - 2**8
 """What Newton's step subtracts ``top * near`` from: 2 in the table's scale, less a cell of what ``top`` leaves out."""
 INVERSE_SHIFT = 10
+LINE = 187 * 2**9
+"""``LINE - top`` is near ``2**31 / top`` where no table is: 7 % off at most, a hundred-thousandth after two steps."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -49,9 +52,10 @@ class Kernel:
 
         Each halves what may be missing.
         """
+        enough = MISSING.get(self.by, self.missing)
         steps: list[int] = []
         missing = self.missing
-        while missing > MISSING:
+        while missing > enough:
             steps.append((missing + 2) // 2)
             missing = max(steps[-1] - 1, missing - steps[-1])
         return tuple(steps)
@@ -59,12 +63,12 @@ class Kernel:
     @property
     def settles(self) -> bool:
         """Whether the first digit is corrected at once, since its remainder would have no room to be larger."""
-        return self.by == "reciprocal" and self.width + self.digit_bits >= 32
+        return self.by in MISSING and self.width + self.digit_bits >= 32
 
 
 def offered(division: Division, largest: int) -> Division:
     """The way to divide by at most ``largest`` that comes next to the one asked for."""
-    room = {"hardware": 2**HARDWARE_BITS - 1, "reciprocal": 2**RECIPROCAL_BITS}
+    room = {"hardware": 2**HARDWARE_BITS - 1} | dict.fromkeys(MISSING, 2**RECIPROCAL_BITS)
     return "rounds" if largest > room.get(division, largest) else division
 
 
@@ -76,21 +80,33 @@ def kernel_of(node: Quotient) -> Kernel:
             return Kernel(node.by, 1)
         case "hardware":
             return Kernel("hardware", 8 if hi < 2**24 else 4)
-        case "reciprocal":
-            return _reciprocal(max((hi - 1).bit_length(), TOP_BITS + 1), lo.bit_length())
+        case "newton" | "reciprocal":
+            return _reciprocal(node.by, max((hi - 1).bit_length(), TOP_BITS + 1), lo.bit_length())
 
 
-def _reciprocal(width: int, smallest_bits: int) -> Kernel:
+def _reciprocal(by: Division, width: int, smallest_bits: int) -> Kernel:
     """As few functions as do no harm: many divisors share one, as long as none takes a step more."""
-    level = _level(width - smallest_bits)
-    if width < COMMON_BITS and _level(COMMON_BITS - smallest_bits) == level:
+    level = _level(by, width - smallest_bits)
+    if width < COMMON_BITS and _level(by, COMMON_BITS - smallest_bits) == level:
         width = COMMON_BITS
-    return Kernel("reciprocal", 8 if width <= 24 else 4, width, min(level, width - 1))
+    return Kernel(by, 8 if width <= 24 else 4, width, min(level, width - 1))
 
 
-def _level(missing: int) -> int:
+def shared(kernels: Iterable[Kernel]) -> dict[Kernel, Kernel]:
+    """By kernel the one that stands for it in a module: all of Newton's are one, since those are taken for size."""
+    found = {kernel: kernel for kernel in sorted(kernels)}
+    for bits in (4, 8):
+        group = [k for k in found if k.by == "newton" and k.digit_bits == bits]
+        if group:
+            width = max(k.width for k in group)
+            one = _reciprocal("newton", width, min(k.smallest_bits for k in group))
+            found |= dict.fromkeys(group, one)
+    return found
+
+
+def _level(by: Division, missing: int) -> int:
     """The most that may be missing for as many steps."""
-    level = MISSING
+    level = MISSING[by]
     while level < missing:
         level = 2 * level + 1
     return level

@@ -17,9 +17,9 @@ from fuzzyspec.model.controller import Behavior
 from fuzzyspec.model.variable import Variable
 
 CType = Literal["uint8", "int8", "uint16", "int16", "uint32", "int32"]
-Division = Literal["loop", "rounds", "unrolled", "reciprocal", "hardware"]
+Division = Literal["loop", "rounds", "unrolled", "newton", "reciprocal", "hardware"]
 """How the quotient kernel divides: bit by bit (in a loop, in rounds of four, or written out), or digit by digit (with a
-reciprocal from a table, or with the machine's own division)."""
+reciprocal by Newton's method from a straight line or from a table, or with the machine's own division)."""
 BinaryOp = Literal["+", "-", "*", "/", ">>", "<<", "&", "|", "^"]
 CompareOp = Literal["<", "<=", ">", ">=", "==", "!="]
 

@@ -32,7 +32,7 @@ from fuzzyspec.lower.even import AREA_BITS, EvenOutput, evaluate_even, even_outp
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.mean import Tail, mean_to_raw
 from fuzzyspec.lower.scope import Scope
-from fuzzyspec.lower.sets import Floats, Scale, evaluate, scale_of
+from fuzzyspec.lower.sets import Floats, Scale, closed_form, evaluate, scale_of
 from fuzzyspec.model.controller import Output
 
 HALF = Fraction(1, 2)
@@ -76,11 +76,11 @@ class _Group:
 
 
 def centroid(
-    output: Output, levels: str, division: Division, scope: Scope
+    output: Output, levels: str, division: Division, scope: Scope, fires: bool = False
 ) -> tuple[list[Stmt], Expr, list[Table], CentroidNumbers]:
     """Statements, the output's raw, tables and numbers, from the array ``levels`` of clip heights (Q15, a slot a term).
 
-    Raises TooManySets.
+    ``fires``: some term is always reached to 1/2 or more, which keeps the area from 0. Raises TooManySets.
     """
     forms = clipped_sets(output)
     even = even_output(output)
@@ -112,10 +112,12 @@ def centroid(
         body.append(Define(bound, moment, True))
         moment = bound
     if even is not None:
-        steps, raw, found_numbers = even_mean(output, even, area, moment, tuple(numbers), division, scope)
+        steps, raw, found_numbers = even_mean(output, even, area, moment, tuple(numbers), division, scope, fires=fires)
         return body + steps, raw, tables, found_numbers
     area = build.capped(area, scale.largest_area)
-    bound = Local(scope.name(f"{name}_a"), "uint32", 0, area.hi)
+    if fires:
+        area = build.floored(area, _least_area(scale, numbers))
+    bound = Local(scope.name(f"{name}_a"), "uint32", area.lo, area.hi)
     body.append(Define(bound, area, True))
     divisor = build.mul(bound, Const(scale.weight_denominator if scale.exact else 1))
     steps, raw, tail = mean_to_raw(output.variable, moment, divisor, division, scope)
@@ -157,6 +159,13 @@ def even_mean(
     steps, raw, tail = mean_to_raw(output.variable, m, a, division, scope)
     slip = float(2**shift / (even.scale.area * even.span)) if shift else 0.0
     return body + steps, raw, CentroidNumbers(sets, tail, slip, slip)
+
+
+def _least_area(scale: Scale, numbers: list[SetNumbers]) -> int:
+    """Of the union, in integers, where some term is reached to 1/2: what that one covers, less all roundings."""
+    alone = min(float(closed_form(n.form)[0][DEGREE_ONE // 2]) for n in numbers if len(n.form.members) == 1)
+    off = sum(float(n.area_error.max()) for n in numbers)
+    return max(0, math.floor(float(scale.area) * (alone - off)) - 1)
 
 
 def _lowers(form: ClippedSet) -> bool:

@@ -55,7 +55,7 @@ def division_of(goal: Goal, target: Target) -> Division:
         return "hardware"
     if target == "avr":
         return "unrolled" if goal == "speed" else "loop"
-    return "rounds" if goal == "size" else "reciprocal"
+    return "newton" if goal == "size" else "reciprocal"
 
 
 def _interpolation(controller: Controller, goal: Goal, target: Target) -> Interpolation:

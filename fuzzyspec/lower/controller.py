@@ -116,7 +116,9 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
             steps, raw, mean_numbers = means[o]
             numbers.append(mean_numbers)
         elif controller.infer.defuzzify == "centroid":
-            steps, raw, more, found_numbers = centroid(output, firing.levels[o], strategy.division, scope)
+            steps, raw, more, found_numbers = centroid(
+                output, firing.levels[o], strategy.division, scope, _reaches_half(controller, o)
+            )
             tables += more
             numbers.append(found_numbers)
         else:
@@ -146,6 +148,18 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
         tuple(numbers),
         Fraction(threshold, firing.one),
         Fraction(1, firing.one),
+    )
+
+
+def _reaches_half(controller: Controller, output: int) -> bool:
+    """Whether some term of an output always has a level of 1/2: of its cell of larger degrees, each at least 1/2."""
+    cells = controller.cells
+    return (
+        cells is not None
+        and not controller.sentences
+        and (controller.infer.and_, controller.infer.aggregate) == ("min", "max")
+        and all(i.peaks is not None and len(i.peaks) > 1 for i in controller.inputs)
+        and -1 not in cells.consequents[output]
     )
 
 

@@ -35,8 +35,8 @@ static const uint8_t nav_reciprocals[113] NAV_TABLE = {
 };
 
 /* floor(num * 2^16 / den) where num < den, else 2^16; 2^20 <= den <= 2^23.
- * A reciprocal from the table, bettered by one Newton step, gives the quotient by 8 bits at once: never too
- * much, and too little by so little that the rest stays below twice the divisor. */
+ * A reciprocal, from the table and bettered by Newton's method, gives the quotient by 8 bits at once: never
+ * too much, and too little by so little that the rest stays below twice the divisor. */
 static uint32_t nav_quotient(uint32_t num, uint32_t den)
 {
     uint32_t digits = 65536U;
@@ -63,8 +63,8 @@ static uint32_t nav_quotient(uint32_t num, uint32_t den)
 }
 
 /* floor(num * 2^16 / den) where num < den, else 2^16; den <= 2^23.
- * A reciprocal from the table, bettered by one Newton step, gives the quotient by 8 bits at once: never too
- * much, and too little by so little that the rest stays below twice the divisor. */
+ * A reciprocal, from the table and bettered by Newton's method, gives the quotient by 8 bits at once: never
+ * too much, and too little by so little that the rest stays below twice the divisor. */
 static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
 {
     uint32_t digits = 65536U;
@@ -104,8 +104,8 @@ static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
 }
 
 /* floor(num * 2^16 / den) where num < den, else 2^16; 2^18 <= den <= 2^24.
- * A reciprocal from the table, bettered by one Newton step, gives the quotient by 8 bits at once: never too
- * much, and too little by so little that the rest stays below twice the divisor. */
+ * A reciprocal, from the table and bettered by Newton's method, gives the quotient by 8 bits at once: never
+ * too much, and too little by so little that the rest stays below twice the divisor. */
 static uint32_t nav_quotient_3(uint32_t num, uint32_t den)
 {
     uint32_t digits = 65536U;

@@ -33,8 +33,8 @@ static const uint8_t tipper_reciprocals[113] TIPPER_TABLE = {
 };
 
 /* floor(num * 2^16 / den) where num < den, else 2^16; den <= 2^24.
- * A reciprocal from the table, bettered by one Newton step, gives the quotient by 8 bits at once: never too
- * much, and too little by so little that the rest stays below twice the divisor. */
+ * A reciprocal, from the table and bettered by Newton's method, gives the quotient by 8 bits at once: never
+ * too much, and too little by so little that the rest stays below twice the divisor. */
 static uint32_t tipper_quotient(uint32_t num, uint32_t den)
 {
     uint32_t digits = 65536U;
