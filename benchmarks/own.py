@@ -25,8 +25,9 @@ from fuzzyspec.native import NativeModule, Toolchain
 Kind = Literal["fuzzyc", "lookup table", "float C"]
 KINDS: tuple[Kind, ...] = ("fuzzyc", "lookup table", "float C")
 
-FPU = ("-mfpu=fpv4-sp-d16", "-mfloat-abi=softfp")
-"""Float C on a Cortex-M4 may use the unit that most of them have. zig does so by itself."""
+GCC_FPU = ("-mfpu=fpv4-sp-d16", "-mfloat-abi=softfp")
+ZIG_FPU = {"thumb-freestanding-eabi": "thumb-freestanding-eabihf", "-mcpu=cortex_m4": "-mcpu=cortex_m4+vfp4d16sp"}
+"""Float C on a Cortex-M4 may use the unit that most of them have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +146,8 @@ def _float(workload: Workload, controller: Controller, targets: tuple[str, ...],
         def meaning(function: str, inputs: Mapping[str, Ints], state: object) -> Run:
             return replace(run(program, function, inputs), outputs=native.run(function, inputs).outputs)
 
-        conditions = Conditions(_with_fpu(_compilers(targets, effort)), inputs=n, long_calls=True)
+        compilers = tuple(_with_fpu(c) for c in _compilers(targets, effort))
+        conditions = Conditions(compilers, inputs=n, long_calls=True)
         slack = float_slack(program, controller)
         measured = measure(program, lambda _, __: files, conditions, meaning=meaning, slack=slack)
         if measured.mismatches:
@@ -185,11 +187,11 @@ def _compilers(targets: tuple[str, ...], effort: Effort) -> tuple[CrossCompiler,
     return tuple(find_compiler(TARGETS[t], effort.compiler) for t in targets)
 
 
-def _with_fpu(compilers: tuple[CrossCompiler, ...]) -> tuple[CrossCompiler, ...]:
-    """A Cortex-M4's gcc with its float unit."""
-    return tuple(
-        replace(c, toolchain=Toolchain((*c.toolchain.command, *FPU)))
-        if c.kind == "gcc" and c.target.name == "cortex-m4"
-        else c
-        for c in compilers
-    )
+def _with_fpu(compiler: CrossCompiler) -> CrossCompiler:
+    """A Cortex-M4's compiler with its float unit."""
+    if compiler.target.name != "cortex-m4":
+        return compiler
+    words = compiler.toolchain.command
+    if compiler.kind == "gcc":
+        return replace(compiler, toolchain=Toolchain((*words, *GCC_FPU)))
+    return replace(compiler, toolchain=Toolchain(tuple(ZIG_FPU.get(w, w) for w in words)))

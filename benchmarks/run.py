@@ -7,7 +7,7 @@ import platform
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from itertools import groupby
@@ -82,7 +82,8 @@ def _mapped(jobs: list[Job], processes: int) -> Iterator[tuple[Entry, ...]]:
         yield from map(_measured, jobs)
         return
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        yield from pool.map(_measured, jobs)
+        for done in as_completed([pool.submit(_measured, job) for job in jobs]):
+            yield done.result()
 
 
 def _measured(job: Job) -> tuple[Entry, ...]:
