@@ -8,6 +8,7 @@ from decimal import ROUND_CEILING, Decimal
 from itertools import groupby
 from pathlib import Path
 
+from benchmarks.baselines.interface import template_in
 from benchmarks.own import KINDS, Entry
 from benchmarks.results import Results
 from benchmarks.workloads import WORKLOADS
@@ -16,6 +17,7 @@ from fuzzyspec.cost import Record
 PLOT = "benchmarks.svg"
 _TARGETS = {"cortex-m0plus": "M0+", "cortex-m4": "M4", "rv32imc": "RV32", "avr": "AVR"}
 _SHORT = [w.name for w in WORKLOADS if w.short]
+_LANGUAGES = {"fuzzyc": "C", "fuzzylite": "C++"}
 _CELLS = (
     ("cortex-m0plus", ("instructions_mean", "instructions_max", "cycles_mean", "flash", "stack")),
     ("cortex-m4", ("instructions_mean", "flash")),
@@ -26,21 +28,12 @@ _CELLS = (
 
 def page(results: Results) -> str:
     """docs/benchmarks.md."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
     setting = results.setting
     effort = setting.effort
     measured = {e.workload for e in results.own}
     tools = [f"{target}: {compiler}" for target, compiler in setting.compilers.items()]
     tools += [f"{name} {version}" for name, version in setting.versions.items()]
-    return environment.get_template("page.md.j2").render(
+    return template_in(Path(__file__).parent, "page.md.j2").render(
         short=_short(results),
         comparison=_comparison(results),
         plot=PLOT,
@@ -72,7 +65,7 @@ def _short(results: Results) -> str:
 def _short_row(workload: str, entry: Entry) -> list[str]:
     costs = [_count(_cost(entry.record(target, "O2"))) for target in _TARGETS]
     flash = _count(_flash(entry))
-    return [workload, entry.kind, *costs, flash, _percent(_largest(entry)), _up(entry.certified)]
+    return [workload, _named(entry), *costs, flash, _percent(_largest(entry)), _up(entry.certified)]
 
 
 def _comparison(results: Results) -> str:
@@ -93,9 +86,8 @@ def _costs(results: Results) -> str:
     heads += ["RV32 instr.", "flash", "AVR cycles", "flash", "stack"]
     rows = []
     for entry in results.own:
-        what = f"{entry.kind}, {entry.form}" if entry.form else entry.kind
         for option in dict.fromkeys(r.option for r in entry.records):
-            rows.append([entry.workload, what, f"-{option}", *_cost_cells(entry, option)])
+            rows.append([entry.workload, _named(entry), f"-{option}", *_cost_cells(entry, option)])
     return _table(heads, rows, left=3)
 
 
@@ -121,7 +113,7 @@ def _peers(results: Results) -> str:
         [
             p.workload,
             f"{p.peer} {p.version}",
-            "C++" if p.peer == "fuzzylite" else "Python",
+            _LANGUAGES.get(p.peer, "Python"),
             _microseconds(p.nanoseconds),
             _count(p.instructions),
             _percent(p.error.largest),
@@ -131,7 +123,7 @@ def _peers(results: Results) -> str:
         for p in results.peers
         if p.error is not None
     ]
-    heads = ["workload", "library", "host", "µs", "host instr.", "largest error", "mean error", "evaluations"]
+    heads = ["workload", "library", "", "µs", "host instr.", "largest error", "mean error", "evaluations"]
     return _table(heads, rows, left=3) if rows else ""
 
 
@@ -149,6 +141,10 @@ def _left_out(results: Results) -> list[str]:
     for (kind, why), group in groupby(reasons, key=lambda r: r[:2]):
         lines.append(f"{kind}: {', '.join(workload for _, _, workload in group)} ({why})")
     return lines
+
+
+def _named(entry: Entry) -> str:
+    return f"{entry.kind}, {entry.form}" if entry.form else entry.kind
 
 
 def _cost(record: Record | None) -> float | None:
@@ -197,7 +193,10 @@ def _ratio(of: float | None, by: float | None) -> str:
 
 
 def _microseconds(nanoseconds: float | None) -> str:
-    return "-" if nanoseconds is None else f"{nanoseconds / 1000:,.{0 if nanoseconds >= 1e5 else 1}f}"
+    if nanoseconds is None:
+        return "-"
+    digits = 0 if nanoseconds >= 1e5 else 1 if nanoseconds >= 1e3 else 3
+    return f"{nanoseconds / 1000:,.{digits}f}"
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, left: int) -> str:

@@ -15,7 +15,7 @@ from multiprocessing import get_context
 from typing import Literal
 
 from benchmarks.own import KINDS, Effort, Entry, Kind, measure_own
-from benchmarks.peers import PEERS, PeerEntry, measure_peer, task_of
+from benchmarks.peers import PEERS, PeerEntry, measure_generated, measure_peer, task_of
 from benchmarks.results import Results, Setting
 from benchmarks.speed import Speed, measure_speed
 from benchmarks.workloads import Workload
@@ -94,6 +94,8 @@ def _measured(job: Job) -> tuple[Entry, ...]:
 def _peers(plan: Plan, effort: Effort, told: Told) -> Iterator[PeerEntry]:
     for workload in plan.workloads:
         if workload.short:
+            yield measure_generated(workload, effort.error_inputs)
+            told(f"{workload.name}: fuzzyc on the host")
             task = task_of(workload, effort.error_inputs, 20 if plan.short else 1)
             for peer in PEERS:
                 yield measure_peer(peer, task)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from benchmarks.workloads import Workload
 from fuzzyspec.fixed.program import Port
@@ -30,25 +32,37 @@ class Speed:
     exact: float
 
 
+HOST = Options(optimize="speed", target="cortex-m7")
+"""The target most like a host, as ``Spec.native`` takes it."""
+
+
 def measure_speed(workload: Workload, inputs: int) -> Speed:
     """``inputs`` for the C; a tenth of them for numpy."""
     spec, name = workload.spec, workload.function
-    ports = spec.lowered.program.function(name).inputs
-    cases = workload.cases(min(inputs, 10_000))
-    many = {p.name: np.resize(cases[p.name], inputs).astype(DTYPES[p.ctype]) for p in ports if isinstance(p, Port)}
-    fewer = {k: v[: max(1, inputs // 10)] for k, v in many.items()}
+    fewer = _cases(workload, max(1, inputs // 10))
     values = spec.dequantise(name, fewer)
-    count = len(next(iter(fewer.values())))
-    # The target most like a host, as Spec.native takes it.
-    files = spec.compile(Options(optimize="speed", target="cortex-m7")).files
-    with NativeModule(spec.lowered.program, files) as native:
-        return Speed(
-            workload.name,
-            inputs,
-            inputs / _best(lambda: native.run(name, many)),
-            count / _best(lambda: run(spec.lowered.program, name, fewer)),
-            count / _best(lambda: spec.exact(name, values)),
-        )
+    count = max(1, inputs // 10)
+    return Speed(
+        workload.name,
+        inputs,
+        measure_native(workload, inputs),
+        count / _best(lambda: run(spec.lowered.program, name, fewer)),
+        count / _best(lambda: spec.exact(name, values)),
+    )
+
+
+def measure_native(workload: Workload, inputs: int) -> float:
+    """The C in batches, evaluations a second."""
+    spec, cases = workload.spec, _cases(workload, inputs)
+    with NativeModule(spec.lowered.program, spec.compile(HOST).files) as native:
+        return inputs / _best(lambda: native.run(workload.function, cases))
+
+
+def _cases(workload: Workload, n: int) -> dict[str, npt.NDArray[Any]]:
+    """The fixed sequence's beginning as often as needed, in the C types."""
+    ports = workload.spec.lowered.program.function(workload.function).inputs
+    cases = workload.cases(min(n, 10_000))
+    return {p.name: np.resize(cases[p.name], n).astype(DTYPES[p.ctype]) for p in ports if isinstance(p, Port)}
 
 
 def _best(call: Callable[[], object]) -> float:

@@ -95,13 +95,18 @@ def product_files(program: Program, generated: Files, source: str) -> dict[str, 
     return {names.header: header, names.source: source.encode(), names.selftest_source: vectors.encode()}
 
 
-@cache
 def template(name: str) -> Template:
-    """A template of this folder; what it does not find in its context is an error."""
+    """A template of this folder."""
+    return template_in(Path(__file__).parent, name)
+
+
+@cache
+def template_in(folder: Path, name: str) -> Template:
+    """A template; what it does not find in its context is an error."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
+        loader=FileSystemLoader(folder),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -10,9 +10,10 @@ from collections.abc import Callable
 from types import MappingProxyType
 
 from benchmarks.peers import fuzzylite, pyfuzzylite, simpful, skfuzzy
+from benchmarks.peers.generated import measure_generated
 from benchmarks.peers.task import PeerEntry, Skipped, Task, task_of
 
-__all__ = ["PEERS", "PeerEntry", "Task", "measure_peer", "task_of"]
+__all__ = ["PEERS", "PeerEntry", "Task", "measure_generated", "measure_peer", "task_of"]
 
 PEERS = MappingProxyType(
     {

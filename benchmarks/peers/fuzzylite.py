@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import subprocess
 import tempfile
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.peers.counted import instructions
 from benchmarks.peers.fll import fll
 from benchmarks.peers.task import PeerEntry, Skipped, Task
 
@@ -50,14 +50,9 @@ def _write_cases(path: Path, task: Task) -> None:
 
 def _counted(path: Path, task: Task) -> float | None:
     """Instructions of this machine an evaluation; None without valgrind."""
-    if shutil.which("valgrind") is None:
-        return None
     _write_cases(path / "few", task)
-    tool = ["valgrind", "--tool=callgrind", "--collect-atstart=no", "--toggle-collect=evaluate_rows"]
-    command = [*tool, "--callgrind-out-file=callgrind.out", "./fuzzylite", "engine.fll", "few", "1"]
-    done = subprocess.run(command, cwd=path, capture_output=True, text=True, check=False)
-    found = re.search(r"Collected\s*:\s*(\d+)", done.stderr)
-    return None if found is None else int(found[1]) / len(task.rows)
+    total = instructions(["./fuzzylite", "engine.fll", "few", "1"], "evaluate_rows", path)
+    return None if total is None else total / len(task.rows)
 
 
 def _run(command: list[str], path: Path) -> list[str]:

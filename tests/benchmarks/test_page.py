@@ -11,12 +11,14 @@ import pytest
 
 from benchmarks.__main__ import main
 from benchmarks.page import _up, page
-from benchmarks.peers import PEERS, measure_peer, task_of
+from benchmarks.peers import PEERS, measure_generated, measure_peer, task_of
+from benchmarks.peers.counted import instructions
 from benchmarks.peers.fll import fll
 from benchmarks.peers.task import SAMPLES, Skipped, imported
 from benchmarks.plot import drawn
 from benchmarks.results import Results, as_json, from_json
 from benchmarks.workloads import WORKLOADS, Workload
+from fuzzyspec.native import find_toolchain
 from tests.benchmarks.hand_written import sampled
 from tests.cost.cost_specs import compiler_for
 
@@ -106,6 +108,33 @@ def test_scikit_fuzzy_is_measured_or_left_out_with_a_reason(peer: str) -> None:
     assert entry.error is not None
     assert entry.nanoseconds is not None
     assert measure_peer(peer, task_of(w3s, 20)).left_out == "it has no weighted average of singletons"
+
+
+def test_callgrind_counts_what_a_function_executes(tmp_path: Path) -> None:
+    """A hundred more instructions a call, over three calls, are three hundred; what is outside does not count."""
+    found = []
+    for nops in (1, 101):
+        body = f'__asm__ volatile (".rept {nops}\\n nop\\n .endr");'
+        (tmp_path / "f.c").write_text(f"void counted(void);\nvoid counted(void) {{ {body} }}\n", encoding="utf-8")
+        (tmp_path / "m.c").write_text(
+            "void counted(void);\nint main(void) { counted(); counted(); counted(); return 0; }\n", encoding="utf-8"
+        )
+        find_toolchain().build([tmp_path / "m.c", tmp_path / "f.c"], tmp_path / "host", ("-O2",))
+        total = instructions(["./host"], "counted", tmp_path)
+        if total is None:
+            pytest.skip("valgrind is not installed")
+        found.append(total)
+    assert found[1] - found[0] == 300
+
+
+def test_fuzzycs_own_c_is_measured_on_the_host() -> None:
+    """With an error within its bound and a time; W3s has inputs below 0 to write into C."""
+    (workload,) = [w for w in WORKLOADS if w.name == "W3s"]
+    entry = measure_generated(workload, 50)
+    assert entry.error is not None
+    bounds = [o.percent_of_range for o in workload.spec.certificate("velocity").outputs]
+    assert entry.error.largest <= max(float(b) for b in bounds if b is not None)
+    assert entry.nanoseconds is not None
 
 
 def test_a_library_that_is_not_installed_is_skipped() -> None:
