@@ -184,12 +184,10 @@ def _up(value: float | None) -> str:
 
 
 def _ratio(of: float | None, by: float | None) -> str:
-    """As many times, or such a part."""
-    if of is None or by is None:
+    """As many times with two digits; a small part as a fraction."""
+    if of is None or by is None or not by:
         return "-"
-    if of >= by:
-        return f"{of / by:.1f}"
-    return f"1/{by / of:,.{0 if by / of >= 10 else 1}f}"
+    return f"1/{by / of:,.0f}" if of < by / 10 else f"{of / by:.2g}"
 
 
 def _microseconds(nanoseconds: float | None) -> str:

@@ -60,10 +60,8 @@ def _draw(axes: Any, results: Results, workload: str, kind: str, shape: str) -> 
     face = "white" if kind == "fuzzylite" else colour
     axes.plot([cost], [error], shape, color=colour, markerfacecolor=face, markersize=8, zorder=3)
     # Where points lie close together, their labels go to different sides.
-    if (workload, kind) == ("W3s", "lookup table"):
-        at, side = (0, 8), "center"
-    else:
-        at, side = ((-8, -4), "right") if workload == "W1" else ((8, -4), "left")
+    sides = {"W1": ((-8, -4), "right"), "W3s": ((0, -15), "center")}
+    at, side = sides.get(workload, ((8, -4), "left"))
     axes.annotate(workload, (cost, error), at, textcoords="offset points", ha=side, color=colour, fontsize=9)
     if certified is not None:
         axes.plot([cost, cost], [error, certified], "-", color=colour, linewidth=1.0, zorder=2)
