@@ -89,7 +89,6 @@ def centroid(
     positive = [f for f in forms if f.sign > 0]
     negative = [f for f in forms if f.sign < 0]
     tables: list[Table] = []
-    numbers: list[SetNumbers] = []
     body: list[Stmt] = [Comment(f"centroid of {name}: area and moment of the union of the clipped terms")]
     sums: dict[str, Local] = {}
     moves_down = any(_lowers(f) for f in forms)
@@ -98,10 +97,9 @@ def centroid(
         sums[part] = Local(scope.name(f"{name}_{part}"), "uint32", 0, build.UINT32_MAX)
         body.append(Define(sums[part], Const(0), False))
     for group in (*_groups(positive), *_groups(negative)):
-        steps, more, found = _group(group, even, levels, scale, sums, scope, name)
+        steps, more = _group(group, even, levels, scale, sums, scope, name)
         body += steps
         tables += more
-        numbers += found
     area: Expr = sums["area"]
     if negative:
         area = build.above(area, sums["overlap"])
@@ -112,19 +110,51 @@ def centroid(
         body.append(Define(bound, moment, True))
         moment = bound
     if even is not None:
-        steps, raw, found_numbers = even_mean(output, even, area, moment, tuple(numbers), division, scope, fires=fires)
-        return body + steps, raw, tables, found_numbers
+        steps, raw, found_numbers = even_mean(output, even, area, moment, division, scope, fires)
+    else:
+        steps, raw, found_numbers = any_mean(output, forms, area, moment, division, scope, fires)
+    return body + steps, raw, tables, found_numbers
+
+
+def any_mean(
+    output: Output,
+    forms: tuple[ClippedSet, ...],
+    area: Expr,
+    moment: Expr,
+    division: Division,
+    scope: Scope,
+    fires: bool = False,
+) -> tuple[list[Stmt], Expr, CentroidNumbers]:
+    """The raw of an output from the sums of its sets; ``fires``: some term is reached to 1/2 or more."""
+    scale = scale_of(forms)
+    numbers = _sets(forms, scale)
     area = build.capped(area, scale.largest_area)
     if fires:
         area = build.floored(area, _least_area(scale, numbers))
-    bound = Local(scope.name(f"{name}_a"), "uint32", area.lo, area.hi)
-    body.append(Define(bound, area, True))
+    bound = Local(scope.name(f"{output.name}_a"), "uint32", area.lo, area.hi)
     divisor = build.mul(bound, Const(scale.weight_denominator if scale.exact else 1))
     steps, raw, tail = mean_to_raw(output.variable, moment, divisor, division, scope)
-    return body + steps, raw, tables, CentroidNumbers(tuple(numbers), tail)
+    return [Define(bound, area, True), *steps], raw, CentroidNumbers(numbers, tail)
 
 
-def even_sets(even: EvenOutput) -> tuple[SetNumbers, ...]:
+def weight_of(form: ClippedSet, scale: Scale) -> int:
+    """A set's reference as an integer."""
+    return math.floor(form.reference * (scale.weight_denominator if scale.exact else 2**16) + HALF)
+
+
+def _sets(forms: tuple[ClippedSet, ...], scale: Scale) -> tuple[SetNumbers, ...]:
+    """The numbers of an output's sets, whichever program adds them."""
+    height = Local("h", "uint16", 0, DEGREE_ONE)
+    sets: list[SetNumbers] = []
+    for f in forms:
+        found, weight = evaluate(f, scale, height, Scope(), "set"), weight_of(f, scale)
+        off = float(abs(Fraction(weight, scale.weight_denominator if scale.exact else 2**16) - f.reference))
+        product = 0.0 if scale.exact or weight in (0, 2**16) else float(1 / scale.area)
+        sets.append(SetNumbers(f, found.area_error, found.moment_error, off, product))
+    return tuple(sets)
+
+
+def _even_sets(even: EvenOutput) -> tuple[SetNumbers, ...]:
     """The numbers of an even output's sets, whichever program adds them."""
     height = Local("h", "uint16", 0, DEGREE_ONE)
     sets: list[SetNumbers] = []
@@ -140,7 +170,6 @@ def even_mean(
     even: EvenOutput,
     area: Expr,
     moment: Expr,
-    sets: tuple[SetNumbers, ...],
     division: Division,
     scope: Scope,
     fires: bool = False,
@@ -158,10 +187,10 @@ def even_mean(
     body: list[Stmt] = [Define(a, a_value, True), Define(m, m_value, True)]
     steps, raw, tail = mean_to_raw(output.variable, m, a, division, scope)
     slip = float(2**shift / (even.scale.area * even.span)) if shift else 0.0
-    return body + steps, raw, CentroidNumbers(sets, tail, slip, slip)
+    return body + steps, raw, CentroidNumbers(_even_sets(even), tail, slip, slip)
 
 
-def _least_area(scale: Scale, numbers: list[SetNumbers]) -> int:
+def _least_area(scale: Scale, numbers: tuple[SetNumbers, ...]) -> int:
     """Of the union, in integers, where some term is reached to 1/2: what that one covers, less all roundings."""
     alone = min(float(closed_form(n.form)[0][DEGREE_ONE // 2]) for n in numbers if len(n.form.members) == 1)
     off = sum(float(n.area_error.max()) for n in numbers)
@@ -193,7 +222,7 @@ def _group(
     sums: dict[str, Local],
     scope: Scope,
     name: str,
-) -> tuple[list[Stmt], list[Table], list[SetNumbers]]:
+) -> tuple[list[Stmt], list[Table]]:
     form = group.first
     single = len(group.sets) == 1
     counter = Local(scope.name("k"), "uint8", 0, len(group.sets) - 1)
@@ -220,8 +249,7 @@ def _group(
     tables: list[Table] = []
     target, moment_target = ("area", "moment") if form.sign > 0 else ("overlap", "moment_off")
     inner.append(_accumulate(sums[target], build.mul(area, Const(multiple))))
-    weights = [f.reference * scale.weight_denominator if scale.exact else f.reference * 2**16 for f in group.sets]
-    integers = [math.floor(w + HALF) for w in weights]
+    integers = [weight_of(f, scale) for f in group.sets]
     if any(integers):
         weight = _weight([multiple * w for w in integers], counter, single, scope, name, tables)
         value = build.mul(area, weight) if scale.exact else build.mul_high(area, weight)
@@ -230,19 +258,9 @@ def _group(
         own = "moment" if form.sign * form.moment_sign > 0 else "moment_off"
         inner.append(_accumulate(sums[own], moment))
     body.append(Branch(build.compare(">", height, Const(0)), tuple(inner)))
-    numbers = [
-        SetNumbers(
-            f,
-            found.area_error * multiple,
-            found.moment_error,
-            float(abs(Fraction(w, scale.weight_denominator if scale.exact else 2**16) - f.reference)),
-            0.0 if scale.exact or w in (0, 2**16) else float(1 / scale.area),
-        )
-        for f, w in zip(group.sets, integers, strict=True)
-    ]
     if single:
-        return body, tables, numbers
-    return [Loop(counter, len(group.sets), tuple(body))], tables, numbers
+        return body, tables
+    return [Loop(counter, len(group.sets), tuple(body))], tables
 
 
 def _accumulate(total: Local, value: Expr) -> Stmt:

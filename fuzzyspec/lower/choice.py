@@ -27,9 +27,9 @@ def rules_of(controller: Controller) -> tuple[Rules, ...]:
     """The ways of firing that a controller's rules allow, loops first."""
     if multilinear_applies(controller) or not minors_apply(controller):
         return ("loops",)
-    if levels_apply(controller) is None:
-        return ("loops", "minors")
-    return ("loops", "minors", "levels") if cells_apply(controller) is None else get_args(Rules)
+    levels: tuple[Rules, ...] = () if levels_apply(controller) is None else ("levels",)
+    cells: tuple[Rules, ...] = ("cells",) if cells_apply(controller) else ()
+    return ("loops", "minors", *levels, *cells)
 
 
 def strategies(controller: Controller) -> tuple[Strategy, ...]:

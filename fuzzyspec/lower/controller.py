@@ -74,7 +74,7 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     status: list[StatusBit] = []
     degrees = []
     saturations: list[Stmt] = []
-    evens = levels_apply(controller) if strategy.rules in ("levels", "cells") else None
+    evens = levels_apply(controller) if strategy.rules == "levels" else None
     linear = None
     if multilinear_applies(controller) and controller.cells is not None:
         linear = interpolate(controller, controller.cells, strategy.interpolation, scope)
@@ -94,10 +94,12 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
         body += steps
         degrees.append(found)
     means: Means | list[tuple[list[Stmt], Expr, MultilinearNumbers]] | None = None
-    if evens is not None and controller.cells is not None:
+    if strategy.rules == "cells" and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
-        fire_evens = fire_cells if strategy.rules == "cells" else fire_levels
-        means = fire_evens(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
+        means = fire_cells(controller, controller.cells, degrees, firing, strategy.division, scope)
+    elif evens is not None and controller.cells is not None:
+        firing = Firing([], DEGREE_BITS, DEGREE_ONE)
+        means = fire_levels(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
     elif linear is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE, body=linear.body, tables=linear.tables)
         means, status = linear.outputs, linear.status

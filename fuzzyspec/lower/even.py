@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from fuzzyspec.fixed.program import Const, Define, Expr, Local, Stmt
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.scope import Scope
-from fuzzyspec.lower.sets import Evaluated, Scale, all_heights, closed_form
+from fuzzyspec.lower.sets import Evaluated, Floats, Scale, all_heights, closed_form
 from fuzzyspec.model.controller import Output
 
 MAX_TERMS = 8
@@ -129,17 +130,23 @@ def cube(height: Local, squared: Local) -> Expr:
 
 def evaluate_even(form: ClippedSet, even: EvenOutput, height: Local, scope: Scope, name: str) -> Evaluated:
     """A half triangle (and its moment, where it is an end's) or an overlap at a height; proved at every height."""
-    draft, area, moment = _draft(form, height, Scope(set(scope.taken)), name)
-    areas, moments = all_heights(draft, area, moment, height)
+    area_error, moment_error = _errors(form, even)
     steps, area, moment = _draft(form, height, scope, name)
+    return Evaluated(steps, area, moment, area_error, moment_error, (len(form.members), moment is not None))
+
+
+@lru_cache(maxsize=256)
+def _errors(form: ClippedSet, even: EvenOutput) -> tuple[Floats, Floats]:
+    height = Local("h", "uint16", 0, DEGREE_ONE)
+    draft, area, moment = _draft(form, height, Scope(), "set")
+    areas, moments = all_heights(draft, area, moment, height)
     count = even.halves[form.members[0]] if len(form.members) == 1 else 1
     exact_area, exact_moment = closed_form(form)
     half, slack = float(even.half / 2**AREA_BITS), 2.0**-44  # float64: under 2**8 roundings of values below 1
     area_error = np.abs(areas * half - exact_area / count) + slack
-    moment_error = np.zeros_like(exact_area)
-    if moment is not None:
-        moment_error = np.abs(moments * half / even.span - exact_moment) + slack
-    return Evaluated(steps, area, moment, area_error, moment_error, (len(form.members), moment is not None))
+    if moment is None:
+        return area_error, np.zeros_like(exact_area)
+    return area_error, np.abs(moments * half / even.span - exact_moment) + slack
 
 
 def _draft(form: ClippedSet, height: Local, scope: Scope, name: str) -> tuple[list[Stmt], Local, Local | None]:

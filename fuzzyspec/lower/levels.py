@@ -28,7 +28,7 @@ from fuzzyspec.fixed.program import (
     Table,
     Test,
 )
-from fuzzyspec.lower.centroid import CentroidNumbers, even_mean, even_sets
+from fuzzyspec.lower.centroid import CentroidNumbers, even_mean
 from fuzzyspec.lower.even import (
     HEIGHT_SHIFT,
     MOMENT_BIAS,
@@ -225,5 +225,5 @@ def _any(terms: Local, bits: int) -> Test:
 def _mean(t: _Sums, division: Division, scope: Scope) -> tuple[list[Stmt], Expr, CentroidNumbers]:
     moment = build.sub_guarded(t.moment, Const(_bias(t.even)), build.UINT32_MAX - _bias(t.even))
     comment = Comment(f"centroid of {t.output.name}")
-    steps, raw, numbers = even_mean(t.output, t.even, t.area, moment, even_sets(t.even), division, scope, fires=True)
+    steps, raw, numbers = even_mean(t.output, t.even, t.area, moment, division, scope, fires=True)
     return [comment, *steps], raw, numbers

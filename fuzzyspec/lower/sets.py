@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -122,12 +123,30 @@ def integer_pieces(form: ClippedSet, scale: Scale) -> list[IntegerPiece]:
 
 def evaluate(form: ClippedSet, scale: Scale, height: Local, scope: Scope, name: str) -> Evaluated:
     """Statements that evaluate one set at ``height``; both results are proved by running every height."""
+    proved = _proved(form, scale)
+    steps, area, moment = _draft(list(proved.pieces), proved.top, height, scope, name, proved.hi)
+    key = (proved.pieces, proved.top)
+    return Evaluated(steps, area, moment, proved.area_error, proved.moment_error, key)
+
+
+@dataclass(frozen=True)
+class _Proved:
+    """A set's polynomials, the largest values that they take and how far they are off, at every height."""
+
+    pieces: tuple[IntegerPiece, ...]
+    top: int
+    hi: tuple[int, int]
+    area_error: Floats
+    moment_error: Floats
+
+
+@lru_cache(maxsize=512)
+def _proved(form: ClippedSet, scale: Scale) -> _Proved:
     pieces = integer_pieces(form, scale)
     top = math.floor(form.height * DEGREE_ONE)
-    draft, area, moment = _draft(pieces, top, height, Scope(set(scope.taken)), name, None)
+    height = Local("h", "uint16", 0, DEGREE_ONE)
+    draft, area, moment = _draft(pieces, top, height, Scope(), "set", None)
     areas, moments = all_heights(draft, area, moment, height)
-    hi = (int(areas.max()), int(moments.max()))
-    steps, area, moment = _draft(pieces, top, height, scope, name, hi)
     exact_area, exact_moment = closed_form(form)
     unit = float(scale.area)
     moment_unit = unit * (scale.weight_denominator if scale.exact else 1)
@@ -136,7 +155,7 @@ def evaluate(form: ClippedSet, scale: Scale, height: Local, scope: Scope, name: 
     moment_error = (
         np.abs(moments / moment_unit - exact_moment) + slack if moment is not None else np.zeros_like(exact_area)
     )
-    return Evaluated(steps, area, moment, area_error, moment_error, (tuple(pieces), top))
+    return _Proved(tuple(pieces), top, (int(areas.max()), int(moments.max())), area_error, moment_error)
 
 
 def _draft(

@@ -1,0 +1,191 @@
+"""The union of the clipped terms of one block of cells, each at a height that is known by its local.
+
+The sums are those of ``lower.centroid``, set by set, with what cannot fire left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from fuzzyspec.fixed import build
+from fuzzyspec.fixed.program import Assign, Branch, Const, Define, Division, Expr, Local, Stmt
+from fuzzyspec.lower.centroid import CentroidNumbers, any_mean, even_mean, weight_of
+from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
+from fuzzyspec.lower.even import AREA_BITS, HEIGHT_SHIFT, EvenOutput, cube, even_output, square
+from fuzzyspec.lower.lines import DEGREE_ONE
+from fuzzyspec.lower.scope import Scope
+from fuzzyspec.lower.sets import evaluate, scale_of
+from fuzzyspec.model.controller import Output
+
+
+@dataclass
+class Union:
+    """An output's sums: area and moment, and of an output that is not even what is taken off both."""
+
+    output: Output
+    even: EvenOutput | None
+    forms: tuple[ClippedSet, ...]
+    sums: list[Local]
+
+    @staticmethod
+    def of(output: Output, body: list[Stmt], scope: Scope) -> Union:
+        """Append the statements that declare the sums. Raises TooManySets."""
+        even, forms = even_output(output), clipped_sets(output)
+        names = ["area", "moment"]
+        if even is None and any(f.sign < 0 for f in forms):
+            names += ["overlap", "moment_off"]
+        elif even is None and any(f.moment_sign < 0 for f in forms):
+            names += ["moment_off"]
+        hi = build.UINT32_MAX
+        sums = [Local(scope.name(f"{output.name}_{n}"), "uint32", 0, hi) for n in names]
+        if even is not None:
+            sums[0] = build.local(sums[0].name, Const(0), ctype="uint32", hi=even.domain << AREA_BITS)
+        body += [Define(s, Const(0), False) for s in sums]
+        return Union(output, even, forms, sums)
+
+    def at(self, heights: dict[int, Local], scope: Scope) -> list[Stmt]:
+        """Set the sums where the terms that may fire are clipped at these heights."""
+        if self.even is not None:
+            return _even(self.output, self.even, heights, self.sums, scope)
+        return _any(self.output, self.forms, heights, self.sums, scope)
+
+    def mean(self, division: Division, fires: bool, scope: Scope) -> tuple[list[Stmt], Expr, CentroidNumbers]:
+        """The raw; ``fires``: some height is at least 1/2."""
+        if self.even is not None:
+            return even_mean(self.output, self.even, self.sums[0], self.sums[1], division, scope, fires)
+        area: Expr = self.sums[0]
+        moment: Expr = self.sums[1]
+        body: list[Stmt] = []
+        if len(self.sums) == 4:
+            area = build.above(area, self.sums[2])
+        if len(self.sums) > 2:
+            moment = build.above(moment, self.sums[-1])
+            bound = Local(scope.name(f"{self.output.name}_m"), "uint32", 0, build.UINT32_MAX)
+            body.append(Define(bound, moment, True))
+            moment = bound
+        steps, raw, numbers = any_mean(self.output, self.forms, area, moment, division, scope, fires)
+        return body + steps, raw, numbers
+
+
+Terms = dict[Expr, int]
+"""A sum of atoms, each so many times: heights (times 2**8), squares, cubes."""
+
+
+@dataclass
+class _Linear:
+    """Area and moment of a union as sums of its terms' heights, squares and cubes."""
+
+    heights: Terms = field(default_factory=dict)
+    rest: Terms = field(default_factory=dict)
+
+    def add(self, times: int, height: Local, squared: Local, squares: int, cubed: Expr | None = None) -> None:
+        """Add ``times`` of ``2**8 h - squares * h**2 (+ h**3)``."""
+        self.heights[height] = self.heights.get(height, 0) + times
+        self.rest[squared] = self.rest.get(squared, 0) - times * squares
+        if cubed is not None:
+            self.rest[cubed] = self.rest.get(cubed, 0) + times
+
+    def expr(self, hi: int) -> Expr:
+        """What is added first, then what is subtracted: the sum is an area or a moment, so it is not negative."""
+        parts: list[Expr] = []
+        for sign in (1, -1):
+            part = build.shift_left(_times(self.heights, sign), HEIGHT_SHIFT)
+            parts.append(build.add(part, _times(self.rest, sign)))
+        return build.sub_guarded(parts[0], parts[1], hi)
+
+
+def _times(terms: Terms, sign: int) -> Expr:
+    total: Expr = Const(0)
+    for atom, times in terms.items():
+        if times * sign > 0:
+            total = build.add(total, build.mul(atom, Const(times * sign)))
+    return total
+
+
+MOST_BRANCHES = 2
+"""Overlaps whose lower term is asked for by a branch each; of more, the lower height is computed."""
+
+
+def _even(output: Output, even: EvenOutput, heights: dict[int, Local], sums: list[Local], scope: Scope) -> list[Stmt]:
+    body: list[Stmt] = []
+    pairs = [k for k in even.met if k in heights and k + 1 in heights]
+    parts: dict[int, Local] = {}
+    squares: dict[int, Local] = {}
+    cubes: dict[int, Local] = {}
+    for k, height in heights.items():
+        name = f"{output.name}_{output.terms[k].name}"
+        squared = square(height, name, scope)
+        body.append(squared)
+        squares[k] = squared.local
+        if not even.ends[k] and k not in pairs and k - 1 not in pairs:
+            # By itself its area is one atom.
+            value = build.sub_guarded(build.shift_left(height, HEIGHT_SHIFT), squared.local, 2**AREA_BITS)
+            parts[k] = build.local(scope.name(f"{name}_part"), value, ctype="uint32")
+            body.append(Define(parts[k], value, True))
+        if even.ends[k]:
+            value = cube(height, squared.local)
+            cubes[k] = build.local(scope.name(f"{name}_cube"), value, ctype="uint32")
+            body.append(Define(cubes[k], value, True))
+
+    def settled(lower: dict[int, tuple[Local, Local]]) -> list[Stmt]:
+        """The rest, where the lower height of the first pairs, and its square, are known."""
+        if len(lower) < len(pairs):
+            k = pairs[len(lower)]
+            if len(pairs) > MOST_BRANCHES:
+                name = f"{output.name}_both"
+                # Only one term can exceed 1/2: the one that the larger degrees' cell names.
+                value = build.capped(build.least(heights[k], heights[k + 1]), DEGREE_ONE // 2)
+                least = build.local(scope.name(name), value)
+                squared = square(least, name, scope)
+                return [Define(least, value, True), squared, *settled({**lower, k: (least, squared.local)})]
+            sides = [settled({**lower, k: (heights[j], squares[j])}) for j in (k, k + 1)]
+            return [Branch(build.compare("<", heights[k], heights[k + 1]), tuple(sides[0]), tuple(sides[1]))]
+        area, moment = _Linear(), _Linear()
+        for k, height in heights.items():
+            if k in parts:
+                area.rest[parts[k]] = even.counts[k]
+                moment.rest[parts[k]] = even.counts[k] * even.peaks[k]
+                continue
+            area.add(even.counts[k], height, squares[k], 1)
+            moment.add(even.counts[k] * even.peaks[k], height, squares[k], 1)
+            if even.ends[k]:
+                moment.add(even.ends[k], height, squares[k], 2, cubes[k])
+        for k, (height, squared_) in lower.items():
+            area.add(-1, height, squared_, 2)
+            moment.add(-even.peaks[k] - 1, height, squared_, 2)
+        return [Assign(sums[0], area.expr(sums[0].hi)), Assign(sums[1], moment.expr(build.UINT32_MAX))]
+
+    return body + settled({})
+
+
+def _any(
+    output: Output, forms: tuple[ClippedSet, ...], heights: dict[int, Local], sums: list[Local], scope: Scope
+) -> list[Stmt]:
+    """Inclusion-exclusion over the sets of these terms that overlap."""
+    scale = scale_of(forms)
+    body: list[Stmt] = []
+    lows: dict[tuple[int, ...], Local] = {(k,): h for k, h in heights.items()}
+    totals: list[Expr] = [Const(0)] * len(sums)
+
+    def add(i: int, value: Expr) -> None:
+        totals[i] = build.capped(build.add_bounded(totals[i], value, build.UINT32_MAX), build.UINT32_MAX)
+
+    for form in forms:
+        if not set(form.members) <= set(heights):
+            continue
+        name = f"{output.name}_" + "_".join(output.terms[k].name for k in form.members)
+        if form.members not in lows:
+            value = build.least(lows[form.members[:-1]], heights[form.members[-1]])
+            lows[form.members] = build.local(scope.name(name), value)
+            body.append(Define(lows[form.members], value, True))
+        found = evaluate(form, scale, lows[form.members], scope, name)
+        body += found.steps
+        down = form.sign < 0
+        add(2 if down else 0, found.area)
+        weight = weight_of(form, scale)
+        if weight:
+            part = build.mul(found.area, Const(weight)) if scale.exact else build.mul_high(found.area, Const(weight))
+            add(-1 if down else 1, part)
+        if found.moment is not None:
+            add(1 if form.sign * form.moment_sign > 0 else -1, found.moment)
+    return body + [Assign(s, build.capped(t, s.hi)) for s, t in zip(sums, totals, strict=True)]
