@@ -12,8 +12,10 @@ from fuzzyspec.fixed.program import (
     Branch,
     Comment,
     Const,
+    Define,
     Expr,
     Function,
+    Local,
     Port,
     ReadPort,
     ReadState,
@@ -29,7 +31,7 @@ from fuzzyspec.lower.average import AverageNumbers, average
 from fuzzyspec.lower.cells import fire_cells
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
 from fuzzyspec.lower.fire import DEGREE_BITS, Firing, fire
-from fuzzyspec.lower.fuzzify import fuzzify
+from fuzzyspec.lower.fuzzify import Degrees, fuzzify, in_array
 from fuzzyspec.lower.levels import Means, fire_levels
 from fuzzyspec.lower.levels import applies as levels_apply
 from fuzzyspec.lower.lines import DEGREE_ONE
@@ -38,8 +40,9 @@ from fuzzyspec.lower.multilinear import MultilinearNumbers, interpolate
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
 from fuzzyspec.lower.saturation import saturated
 from fuzzyspec.lower.scope import Scope
-from fuzzyspec.lower.strategy import Strategy
-from fuzzyspec.model.controller import Controller, Output
+from fuzzyspec.lower.slide import form_of, slide
+from fuzzyspec.lower.strategy import Rules, Strategy
+from fuzzyspec.model.controller import Controller, Input, Output
 from fuzzyspec.model.variable import Variable
 
 
@@ -85,13 +88,10 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
         bit = f"SATURATED_{variable.name.upper()}"
         if low < variable.raw.lo or high > variable.raw.hi:
             status.append(StatusBit(bit, f"{variable.name} was outside its range and was saturated"))
-        given = ReadPort(variable.name, variable.raw.ctype, low, high)
         body.append(Comment(f"{item.name}: degrees of {', '.join(t.name for t in item.terms)}"))
-        steps, raw, told = saturated(variable, given, variable.name, bit, scope, strategy.rules == "levels")
+        steps, found, told = _degrees(item, bool(controller.sentences), strategy.rules, bit, scope)
         body += steps
         saturations += told
-        steps, found = fuzzify(item, raw, scope, bool(controller.sentences), bare)
-        body += steps
         degrees.append(found)
     means: Means | list[tuple[list[Stmt], Expr, MultilinearNumbers]] | None = None
     if strategy.rules == "cells" and controller.cells is not None:
@@ -163,6 +163,23 @@ def _reaches_half(controller: Controller, output: int) -> bool:
         and all(i.peaks is not None and len(i.peaks) > 1 for i in controller.inputs)
         and -1 not in cells.consequents[output]
     )
+
+
+def _degrees(item: Input, dense: bool, rules: Rules, bit: str, scope: Scope) -> tuple[list[Stmt], Degrees, list[Stmt]]:
+    """An input's degrees, and statements that later tell of its saturation."""
+    bare = rules != "loops"
+    if not dense and form_of(item) == "slide":
+        upper = Local(scope.name(f"{item.name}_term"), "uint8", 0, 1)
+        slid = slide(item, DEGREE_ONE, [Assign(upper, Const(1))], bit, scope)
+        two = len(item.terms) == 2
+        body: list[Stmt] = slid.steps if two else [Define(upper, Const(0), False), *slid.steps]
+        found = Degrees("", 2, Const(0) if two else upper, slid.error, slid.degree)
+        return (body, found, []) if bare else (*in_array(item, body, found, scope), [])
+    variable = item.variable
+    given = ReadPort(variable.name, variable.raw.ctype, *build.LIMITS[variable.raw.ctype])
+    steps, raw, told = saturated(variable, given, variable.name, bit, scope, rules == "levels")
+    more, found = fuzzify(item, raw, scope, dense, bare)
+    return steps + more, found, told
 
 
 def _acting(controller: Controller, firing: Firing, threshold: int) -> list[Stmt]:

@@ -7,7 +7,7 @@ array of two beside the index of the lower term. Other terms each get a chain of
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -137,7 +137,9 @@ def _strong(
         # Beyond the last peak the degree stays 1 (a peak between two raws is passed, and capped), below the first 0.
         straight = min(end, math.ceil(high)) if k == last else end
         slope = one / (high - low)
-        line = fit((start - low) * slope, slope, max(0, straight - start))
+        # Up to a peak that is a raw itself, so that even pieces have one line (`slide` relies on that).
+        length = straight - start if k == last else math.floor(high) - start
+        line = fit((start - low) * slope, slope, max(0, length))
         worst = max(worst, line.error)
         steps: list[Stmt] = [Assign(first, Const(k))] if k else []
         steps += _piece(line, at, start, end, straight, degree, scope, item.name, one)
@@ -153,17 +155,27 @@ def _strong(
     index: Expr = first if last else Const(0)
     if bare:
         return body, Degrees("", 2, index, worst / one, degree)
-    array = scope.name(f"{item.name}_mu")
-    low_degree = build.sub(Const(one), degree)
     if dense:
+        array = scope.name(f"{item.name}_mu")
+        low_degree = build.sub(Const(one), degree)
         body += zeroed(array, "uint16", len(places), scope)
         body.append(AssignElement(array, "uint16", index, low_degree))
         body.append(AssignElement(array, "uint16", build.add(index, Const(1)), degree))
         return body, Degrees(array, len(places), Const(0), worst / one)
-    body.append(DefineArray(array, "uint16", 2))
-    body.append(AssignElement(array, "uint16", Const(0), low_degree))
-    body.append(AssignElement(array, "uint16", Const(1), degree))
-    return body, Degrees(array, 2, index, worst / one)
+    return in_array(item, body, Degrees("", 2, index, worst / one, degree), scope)
+
+
+def in_array(item: Input, body: list[Stmt], found: Degrees, scope: Scope) -> tuple[list[Stmt], Degrees]:
+    """Two degrees that were kept without an array, in one."""
+    assert found.upper is not None
+    array = scope.name(f"{item.name}_mu")
+    low = build.sub(Const(DEGREE_ONE), found.upper)
+    own: list[Stmt] = [
+        DefineArray(array, "uint16", 2),
+        AssignElement(array, "uint16", Const(0), low),
+        AssignElement(array, "uint16", Const(1), found.upper),
+    ]
+    return body + own, replace(found, array=array, upper=None)
 
 
 def _piece(

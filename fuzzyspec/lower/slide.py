@@ -51,7 +51,8 @@ class Fuzzified:
 
 def form_of(item: Input) -> Form:
     """How an input is fuzzified."""
-    assert item.peaks is not None
+    if item.peaks is None or len(item.peaks) < 2:
+        return "chain"
     raw = item.variable.raw
     places = [position(raw, p) for p in item.peaks]
     first, step, top = places[0], places[1] - places[0], raw.hi - raw.lo
@@ -84,6 +85,11 @@ def fuzzified(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: S
 
 
 def _slide(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scope) -> Fuzzified:
+    return slide(item, one, cell.up(Const(stride)), bit, scope)
+
+
+def slide(item: Input, one: int, moves: list[Stmt], bit: str, scope: Scope) -> Fuzzified:
+    """An input of form "slide"; ``moves`` are made where the upper piece is active."""
     assert item.peaks is not None
     raw, pieces = item.variable.raw, len(item.peaks) - 1
     step = (raw.hi - raw.lo) // pieces
@@ -96,10 +102,9 @@ def _slide(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scop
     if over:
         capped = [Branch(build.compare(">", at, Const(step)), (Assign(at, Const(step)), SetStatus(bit)))]
     if pieces == 2:
-        # On the peak both pieces give the same.
         down = build.sub_guarded(at, Const(step), at.hi - step)
         capped = [
-            Branch(build.compare(">", at, Const(step)), (Assign(at, down), *cell.up(Const(stride)), *capped)),
+            Branch(build.compare(">=", at, Const(step)), (Assign(at, down), *moves, *capped)),
         ]
     line = fit(Fraction(0), Fraction(one, step), step)
     degree = Local(scope.name(f"{item.name}_d"), "uint16", 0, one)

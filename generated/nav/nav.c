@@ -145,41 +145,32 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     nav_status_t status = NAV_OK;
 
     /* eta_t: degrees of TS, TM, TB */
-    uint32_t eta_t = in->eta_t;
-    if (eta_t > 49152U) {
-        eta_t = 49152U;
-        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_T);
+    uint32_t eta_t_term = 0U;
+    uint32_t eta_t_at = in->eta_t;
+    if (eta_t_at >= 24576U) {
+        eta_t_at = eta_t_at - 24576U;
+        eta_t_term = 1U;
+        if (eta_t_at > 24576U) {
+            eta_t_at = 24576U;
+            status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_T);
+        }
     }
 
-    uint32_t eta_t_d = 0U;
-    uint32_t eta_t_term = 0U;
-    if (eta_t < 24576U) {
-        const uint32_t eta_t_u_2 = eta_t;
-        eta_t_d = ((eta_t_u_2 * 87381U) + 36864U) >> 16U;
-    } else {
-        eta_t_term = 1U;
-        const uint32_t eta_t_u = eta_t - 24576U;
-        eta_t_d = ((eta_t_u * 87381U) + 36864U) >> 16U;
-    }
+    const uint32_t eta_t_d = ((eta_t_at * 87381U) + 36864U) >> 16U;
 
     /* eta_d: degrees of DS, DM, DB */
-    uint32_t eta_d = in->eta_d;
-    if (eta_d > 32768U) {
-        eta_d = 32768U;
-        status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_D);
-    }
-
-    uint32_t eta_d_d = 0U;
     uint32_t eta_d_term = 0U;
-    if (eta_d < 16384U) {
-        const uint32_t eta_d_u_2 = eta_d;
-        eta_d_d = eta_d_u_2 * 2U;
-    } else {
+    uint32_t eta_d_at = in->eta_d;
+    if (eta_d_at >= 16384U) {
+        eta_d_at = eta_d_at - 16384U;
         eta_d_term = 1U;
-        const uint32_t eta_d_u = eta_d - 16384U;
-        eta_d_d = eta_d_u * 2U;
+        if (eta_d_at > 16384U) {
+            eta_d_at = 16384U;
+            status = (nav_status_t)(status | NAV_DANGER_SATURATED_ETA_D);
+        }
     }
 
+    const uint32_t eta_d_d = eta_d_at * 2U;
     uint32_t ddc_area = 0U;
     uint32_t ddc_moment = 0U;
     if (eta_t_term == 0U) {
@@ -342,65 +333,66 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     nav_status_t status = NAV_OK;
 
     /* left: degrees of S, M, B */
-    const uint32_t left_raw = in->left;
-    const uint32_t left_over = (left_raw > 32768U) ? (left_raw - 32768U) : 0U;
-    const uint32_t left = left_raw - left_over;
-    uint32_t left_d = 0U;
     uint32_t left_term = 0U;
-    if (left < 16384U) {
-        const uint32_t left_u_2 = left;
-        left_d = left_u_2 * 2U;
-    } else {
+    uint32_t left_at = in->left;
+    if (left_at >= 16384U) {
+        left_at = left_at - 16384U;
         left_term = 1U;
-        const uint32_t left_u = left - 16384U;
-        left_d = left_u * 2U;
+        if (left_at > 16384U) {
+            left_at = 16384U;
+            status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_LEFT);
+        }
     }
+
+    const uint32_t left_d = left_at * 2U;
 
     /* front: degrees of S, M, B */
-    const uint32_t front_raw = in->front;
-    const uint32_t front_over = (front_raw > 32768U) ? (front_raw - 32768U) : 0U;
-    const uint32_t front = front_raw - front_over;
-    uint32_t front_d = 0U;
     uint32_t front_term = 0U;
-    if (front < 16384U) {
-        const uint32_t front_u_2 = front;
-        front_d = front_u_2 * 2U;
-    } else {
+    uint32_t front_at = in->front;
+    if (front_at >= 16384U) {
+        front_at = front_at - 16384U;
         front_term = 1U;
-        const uint32_t front_u = front - 16384U;
-        front_d = front_u * 2U;
+        if (front_at > 16384U) {
+            front_at = 16384U;
+            status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_FRONT);
+        }
     }
+
+    const uint32_t front_d = front_at * 2U;
 
     /* right: degrees of S, M, B */
-    const uint32_t right_raw = in->right;
-    const uint32_t right_over = (right_raw > 32768U) ? (right_raw - 32768U) : 0U;
-    const uint32_t right = right_raw - right_over;
-    uint32_t right_d = 0U;
     uint32_t right_term = 0U;
-    if (right < 16384U) {
-        const uint32_t right_u_2 = right;
-        right_d = right_u_2 * 2U;
-    } else {
+    uint32_t right_at = in->right;
+    if (right_at >= 16384U) {
+        right_at = right_at - 16384U;
         right_term = 1U;
-        const uint32_t right_u = right - 16384U;
-        right_d = right_u * 2U;
+        if (right_at > 16384U) {
+            right_at = 16384U;
+            status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_RIGHT);
+        }
     }
 
+    const uint32_t right_d = right_at * 2U;
+
     /* target: degrees of L, C, R */
-    const int32_t target_raw = in->target;
-    const int32_t target_risen = (target_raw > -23040) ? target_raw : (-23040);
-    const int32_t target = (target_risen < 23040) ? target_risen : 23040;
-    const uint32_t target_at = (uint32_t)(target + 23040);
-    uint32_t target_d = 0U;
     uint32_t target_term = 0U;
-    if (target_at < 23040U) {
-        const uint32_t target_u_2 = target_at;
-        target_d = ((target_u_2 * 93207U) + 29952U) >> 16U;
-    } else {
-        target_term = 1U;
-        const uint32_t target_u = target_at - 23040U;
-        target_d = ((target_u * 93207U) + 29952U) >> 16U;
+    int32_t target = in->target;
+    if (target < -23040) {
+        target = -23040;
+        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_TARGET);
     }
+
+    uint32_t target_at = (uint32_t)(target + 23040);
+    if (target_at >= 23040U) {
+        target_at = target_at - 23040U;
+        target_term = 1U;
+        if (target_at > 23040U) {
+            target_at = 23040U;
+            status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_TARGET);
+        }
+    }
+
+    const uint32_t target_d = ((target_at * 93207U) + 29952U) >> 16U;
 
     /* rules: the cell of the larger degrees, and how each smaller degree leaves it */
     uint32_t cell = (left_term * 27U) + (front_term * 9U) + (right_term * 3U) + target_term;
@@ -664,18 +656,6 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
                 strongest = minor_4;
             }
         }
-    }
-    if (left_over != 0U) {
-        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_LEFT);
-    }
-    if (front_over != 0U) {
-        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_FRONT);
-    }
-    if (right_over != 0U) {
-        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_RIGHT);
-    }
-    if (target_raw != target) {
-        status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_TARGET);
     }
 
     out->acting = (uint8_t)acting;

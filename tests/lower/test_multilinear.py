@@ -15,15 +15,13 @@ from hypothesis import strategies as st
 from fuzzyspec import load
 from fuzzyspec.exact import dequantise, evaluate_controller
 from fuzzyspec.fixed.build import LIMITS
-from fuzzyspec.fixed.program import Const, Define, Function, Local, Port, Program, SetOutput, StatusBit, Table
+from fuzzyspec.fixed.program import Program, Table
 from fuzzyspec.fixed.run import Run, run
 from fuzzyspec.lower.bounds.search import Effort, bound_controller
 from fuzzyspec.lower.choice import strategies
 from fuzzyspec.lower.controller import lower_controller
 from fuzzyspec.lower.formats import TOLERATED, format_of
 from fuzzyspec.lower.multilinear import applies, ways
-from fuzzyspec.lower.scope import Scope
-from fuzzyspec.lower.slide import Cell, form_of, fuzzified, highest
 from fuzzyspec.lower.strategy import Strategy
 from fuzzyspec.model.controller import CellRules, Controller, Inference, Input, Output
 from fuzzyspec.model.term import PiecewiseLinear, Singleton
@@ -163,61 +161,6 @@ def test_only_a_raw_outside_its_range_sets_its_bit(controller: Controller, seed:
         bit = f"SATURATED_{i.name.upper()}"
         told = (status >> names.index(bit)) & 1 if bit in names else np.zeros(40, dtype=np.int64)
         assert np.array_equal(told, outside)
-
-
-def evenly(raw: Raw, count: int) -> Input:
-    """A partition over the whole range of a raw."""
-    lo, hi = sorted((raw.value(raw.lo), raw.value(raw.hi)))
-    own = Variable("x", lo, hi, ONE, raw, NOWHERE)
-    return input_of(own, tuple(lo + (hi - lo) * F(k, count - 1) for k in range(count)))
-
-
-@pytest.mark.parametrize(
-    ("raw", "count", "form"),
-    [
-        (Raw("uint16", F(1, 32768), F(0), 0, 32768), 3, "slide"),
-        (Raw("int16", F(-1, 256), F(5), -23040, 23040), 3, "slide"),
-        (Raw("uint16", F(1), F(0), 0, 65535), 2, "slide"),
-        (Raw("uint16", F(1), F(0), 0, 65535), 3, "scale"),
-        (Raw("uint16", F(1), F(0), 0, 40960), 7, "scale"),
-        (Raw("int16", F(-1, 3), F(2), -32768, 32767), 8, "scale"),
-        (Raw("int8", F(1), F(0), -100, 100), 5, "scale"),
-        (Raw("int8", F(1), F(0), -3, 3), 7, "scale"),
-    ],
-)
-@pytest.mark.parametrize("bits", [15, 13])
-def test_every_raw_finds_its_cell_and_degree(raw: Raw, count: int, form: str, bits: int) -> None:
-    """For all raws of the C type: cell and degree together are the place on the axis, within the stated error, and
-    exactly so on peaks that are raws, where the line does not drift by a unit."""
-    item = evenly(raw, count)
-    assert form_of(item) == form
-    scope = Scope()
-    top = highest(item)
-    cell = Cell(Local(scope.name("cell"), "uint8", 0, top) if top else None)
-    found = fuzzified(item, 1 << bits, cell, 1, "OUT", scope)
-    start = [] if cell.local is None else [Define(cell.local, Const(0), False)]
-    results = (SetOutput("cell", cell.local or Const(0)), SetOutput("d", found.degree))
-    ports = (Port("x", raw.ctype, raw.lo, raw.hi, item.variable),)
-    outputs = (Port("cell", "uint8", 0, 255, None), Port("d", "uint16", 0, 65535, None))
-    body = (*start, *found.steps, *found.told, *results)
-    status = (StatusBit("OUT", "outside"),)
-    function = Function("f", "controller", ports, outputs, (), (), status, (), (), body)
-    low, high = LIMITS[raw.ctype]
-    raws = np.arange(low, high + 1)
-    got = run(Program("p", (function,)), "f", {"x": raws}, checked=True)
-    along = got.outputs["cell"] * (1 << bits) + got.outputs["d"]
-    legal = np.clip(raws, raw.lo, raw.hi)
-    counts = legal - raw.lo if raw.step > 0 else raw.hi - legal
-    pieces, whole = count - 1, raw.hi - raw.lo
-    # In units of 1 / whole, so that all is integers.
-    off = along * whole - counts * pieces * (1 << bits)
-    assert np.abs(off).max() <= found.error * (1 << bits) * whole
-    # A factor that leaves a product with 16 bits of raws in 32 is good to 2^-s, where pieces << (bits + s) >= 2^31.
-    assert found.error * (1 << bits) <= max(1, F(pieces << bits, 1 << 15))
-    peaks = counts * pieces % whole == 0
-    if form == "slide" or bits == 13:
-        assert peaks.any() and not off[peaks].any()
-    assert np.array_equal(got.status != 0, raws != legal)
 
 
 def test_small_places_share_words() -> None:
