@@ -43,6 +43,7 @@ def page(results: Results) -> str:
         float_inputs=f"{effort.float_inputs:,}",
         single_inputs=f"{effort.single_inputs:,}",
         tools=[*tools, f"host: {setting.host}"],
+        ram="" if any(r.ram for e in results.own for r in e.records) else " None of it needs static RAM.",
         costs=_costs(results),
         errors=_errors(results),
         peers=_peers(results),

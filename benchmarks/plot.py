@@ -60,7 +60,7 @@ def _draw(axes: Any, results: Results, workload: str, kind: str, shape: str) -> 
     face = "white" if kind == "fuzzylite" else colour
     axes.plot([cost], [error], shape, color=colour, markerfacecolor=face, markersize=8, zorder=3)
     # Where points lie close together, their labels go to different sides.
-    sides = {"W1": ((-8, -4), "right"), "W3s": ((0, -15), "center")}
+    sides = {"W1": ((-8, -4), "right"), "W3s": ((0, -15), "center") if kind == "lookup table" else ((8, 5), "left")}
     at, side = sides.get(workload, ((8, -4), "left"))
     axes.annotate(workload, (cost, error), at, textcoords="offset points", ha=side, color=colour, fontsize=9)
     if certified is not None:
