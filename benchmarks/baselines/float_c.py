@@ -23,8 +23,8 @@ def float_c(program: Program, controller: Controller) -> str:
     consequents = require_cells(controller)
     infer = controller.infer
     averages = infer.defuzzify == "weighted_average"
-    if not averages and infer.aggregate != "max":
-        raise DoesNotFit("sets are added up")
+    if not averages and (infer.aggregate, infer.implies) != ("max", "min"):
+        raise DoesNotFit("sets are scaled and added up")
     interface = interface_of(program, controller)
     cells = controller.cells
     assert cells is not None
@@ -48,10 +48,7 @@ def float_c(program: Program, controller: Controller) -> str:
         sets=[i["terms"] for i in inputs] + ([] if averages else [o["terms"] for o in outputs]),
         places=[o["places"] for o in outputs] if averages else [],
         centroids=not averages,
-        minimum=infer.and_ == "min" or (not averages and infer.implies == "min"),
-        implied="minimum(degree(&terms[k], y), level[k])"
-        if infer.implies == "min"
-        else "degree(&terms[k], y) * level[k]",
+        minimum=infer.and_ == "min" or not averages,
         cells=len(cells.owner),
         owners=owners,
         acting_member=interface.c.outputs["acting"] if owners else "",

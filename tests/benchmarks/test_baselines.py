@@ -15,7 +15,8 @@ from fuzzyspec import load
 from fuzzyspec.native import NativeModule
 from tests.benchmarks.hand_written import sampled
 
-CONTROLLERS = [w for w in WORKLOADS if w.controller is not None]
+ODD = Workload("odd", "tests/benchmarks/odd.fz", "fan", "")
+CONTROLLERS = [*(w for w in WORKLOADS if w.controller is not None), ODD]
 TABLED = [w for w in CONTROLLERS if w.name != "nav velocity"]
 DEFAULT_RAWS = [w for w in TABLED if w.short]
 
