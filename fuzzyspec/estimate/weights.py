@@ -1,6 +1,8 @@
 """What a feature costs on a machine: the weights that ship with the compiler, and how far they were off.
 
 ``weights.json`` is written by ``scripts/fit_costs.py`` from the measurements in ``benchmarks/measured_costs.json``.
+What divides is weighed by what it takes alone, whatever was fitted: ``dividers.json``, by
+``scripts/measure_dividers.py``.
 """
 
 from __future__ import annotations
@@ -52,10 +54,21 @@ def weights(machine: str, option: Option, figure: Figure) -> Weights | None:
 
 @cache
 def _all() -> Mapping[str, Mapping[tuple[str, str], Weights]]:
-    data = json.loads(files("fuzzyspec.estimate").joinpath("weights.json").read_text(encoding="utf-8"))
+    data, alone = (
+        json.loads(files("fuzzyspec.estimate").joinpath(name).read_text(encoding="utf-8"))
+        for name in ("weights.json", "dividers.json")
+    )
+
+    def by(found: Mapping[str, float], machine: str, option: str, figure: str) -> Mapping[str, float]:
+        dividers: Mapping[str, float] = alone["machines"][machine][option].get(figure, {})
+        fitted = {k: w for k, w in found.items() if not (dividers and k.startswith(("quotient", *dividers)))}
+        return {**fitted, **dividers}
+
     return {
         machine: {
-            (option, figure): Weights(found["weights"], found["median"], found["nine_in_ten"], found["worst"])
+            (option, figure): Weights(
+                by(found["weights"], machine, option, figure), found["median"], found["nine_in_ten"], found["worst"]
+            )
             for option, figures in options.items()
             for figure, found in figures.items()
         }

@@ -13,6 +13,9 @@ from fuzzyspec.estimate import band, estimate
 from fuzzyspec.estimate.model import flash, time
 from fuzzyspec.estimate.profile import profile
 from fuzzyspec.estimate.weights import MACHINES, Figure, Option, weights
+from fuzzyspec.fixed import build
+from fuzzyspec.fixed.division import kernel_of
+from fuzzyspec.fixed.program import Division, Local, Quotient
 from fuzzyspec.lower import Options
 from fuzzyspec.lower.strategy import Target
 
@@ -31,6 +34,22 @@ def test_every_machine_has_weights_for_what_is_measured_on_it() -> None:
                 if by is not None:
                     assert 0 <= by.median <= by.nine_in_ten <= by.worst
                     assert all(w > 0 for w in by.by.values())
+
+
+@pytest.mark.parametrize("division", get_args(Division))
+def test_everything_that_divides_has_a_weight(division: Division) -> None:
+    """In time and in flash, on every machine; nothing can be chosen because nobody measured it."""
+    den = [Local("den", "uint32", 1, 2**bits - 1) for bits in (23, 27, 31)]
+    quotients = [build.quotient(Local("num", "uint32", 0, 1), d, division) for d in den]
+    for kernel in {kernel_of(q) for q in quotients if isinstance(q, Quotient)}:
+        for machine in MACHINES:
+            for option in OPTIONS:
+                for figure in get_args(Figure):
+                    by = weights(machine, option, figure)
+                    if by is not None and figure != "stack":
+                        stem = "kernel" if figure == "flash" else "quotient"
+                        assert by.of({f"{stem}_{kernel.by}.{kernel.digit_bits}": 1}) > 0
+                        assert by.of({f"{stem}_steps": 1}) > 0
 
 
 def test_targets_are_those_that_can_be_compiled_for() -> None:
