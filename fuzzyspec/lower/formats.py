@@ -7,10 +7,11 @@ two outputs go into one word. **Wide**: places are raw counts of 16 bits. Lemma 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import product
+
+import numpy as np
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Const, Define, Expr, Stmt
@@ -98,10 +99,9 @@ class Format:
 
 def format_of(controller: Controller, cells: CellRules) -> Format:
     """The narrow format where it costs little, else the wide one."""
-    named = [_named(controller, cells, o) for o in range(len(controller.outputs))]
+    tables = [_table(controller, cells, o) for o in range(len(controller.outputs))]
     inner = min(2, len(cells.shape))
-    edges = [(_edges(cells.shape, p), _mixed(cells.shape, p)) for p in named]
-    small = [_small(o.variable, p, *e) for o, p, e in zip(controller.outputs, named, edges, strict=True)]
+    small = [_small(t) for t in tables]
     most = max(p.most for p in small)
     bits = min(DEGREE_BITS, (FIELD_MAX // max(most, 1)).bit_length() - 1)
     if bits > 0:
@@ -111,7 +111,7 @@ def format_of(controller: Controller, cells: CellRules) -> Format:
         narrow = Format(True, inner, bits, 0, shifts, tuple(small))
         if all(_cost(narrow, o) <= TOLERATED for o in range(len(small))):
             return narrow
-    wide = [_wide(o.variable, p, *e) for o, p, e in zip(controller.outputs, named, edges, strict=True)]
+    wide = [_wide(t) for t in tables]
     if len(cells.shape) == inner:
         return Format(False, inner, DEGREE_BITS, 0, (), tuple(wide))
     # 17 bits are kept between the interpolations; the last one's 32 go into the result.
@@ -166,14 +166,44 @@ def _cost(fmt: Format, o: int) -> Fraction:
     return degrees + fmt.rounding(o) / width
 
 
-def _named(controller: Controller, cells: CellRules, o: int) -> list[Fraction]:
-    """Places of all cells, relative to the range."""
+@dataclass(frozen=True)
+class _Table:
+    """What the cells name: by cell one of the terms, whose places are relative to the range."""
+
+    variable: Variable
+    shape: tuple[int, ...]
+    terms: tuple[int, ...]
+    places: tuple[Fraction, ...]
+
+    @property
+    def used(self) -> list[int]:
+        return sorted(set(self.terms))
+
+    @property
+    def counts(self) -> list[Fraction]:
+        return _counts(self.variable, self.places)
+
+    def by_cell(self, integers: Mapping[int, int]) -> tuple[int, ...]:
+        return tuple(integers[t] for t in self.terms)
+
+    def steepness(self) -> tuple[tuple[Fraction, ...], Fraction]:
+        """The largest difference of two neighbours along each input, and the largest mixed one over the last two."""
+        common = math.lcm(*(p.denominator for p in self.places))
+        # Of integers of any size.
+        cells = np.array([int(self.places[t] * common) for t in self.terms], dtype=object).reshape(self.shape)
+        along = [np.diff(cells, axis=i) for i in range(len(self.shape))]
+        mixed = np.diff(along[-1], axis=-2) if len(self.shape) > 1 else np.zeros(1, dtype=object)
+        edges = tuple(Fraction(int(abs(d).max()), common) for d in along)
+        return edges, Fraction(int(abs(mixed).max()), common)
+
+
+def _table(controller: Controller, cells: CellRules, o: int) -> _Table:
     variable = controller.outputs[o].variable
     places: list[Fraction] = []
     for term in controller.outputs[o].terms:
         assert isinstance(term.shape, Singleton)
         places.append((term.shape.at - variable.lo) / (variable.hi - variable.lo))
-    return [places[t] for t in cells.consequents[o]]
+    return _Table(variable, cells.shape, cells.consequents[o], tuple(places))
 
 
 def _counts(variable: Variable, places: Sequence[Fraction]) -> list[Fraction]:
@@ -184,15 +214,15 @@ def _counts(variable: Variable, places: Sequence[Fraction]) -> list[Fraction]:
     return [low + abs(at_hi - at_lo) * p for p in places]
 
 
-def _small(variable: Variable, named: Sequence[Fraction], edges: tuple[Fraction, ...], mixed: Fraction) -> Places:
-    exact = _counts(variable, named)
-    base = min(exact)
+def _small(table: _Table) -> Places:
+    exact = table.counts
+    base = min(exact[t] for t in table.used)
     unit = Fraction(0)
-    for place in exact:
-        unit = _common(unit, place - base)
+    for t in table.used:
+        unit = _common(unit, exact[t] - base)
     unit = unit or Fraction(1)
-    integers = tuple(int((place - base) / unit) for place in exact)
-    return Places(variable, integers, base, unit, Fraction(0), edges, mixed)
+    integers = {t: int((exact[t] - base) / unit) for t in table.used}
+    return Places(table.variable, table.by_cell(integers), base, unit, Fraction(0), *table.steepness())
 
 
 def _common(a: Fraction, b: Fraction) -> Fraction:
@@ -201,32 +231,12 @@ def _common(a: Fraction, b: Fraction) -> Fraction:
     return Fraction(math.gcd(int(a * denominator), int(b * denominator)), denominator)
 
 
-def _wide(variable: Variable, named: Sequence[Fraction], edges: tuple[Fraction, ...], mixed: Fraction) -> Places:
-    exact = _counts(variable, named)
+def _wide(table: _Table) -> Places:
+    exact, raw = table.counts, table.variable.raw
     bits = 0
-    while (variable.raw.hi - variable.raw.lo + 1) << (bits + 1) <= FIELD_MAX:
+    while (raw.hi - raw.lo + 1) << (bits + 1) <= FIELD_MAX:
         bits += 1
-    integers = tuple(min(FIELD_MAX, max(0, math.floor(e * 2**bits + HALF))) for e in exact)
-    worst = max(abs(Fraction(i, 2**bits) - e) for i, e in zip(integers, exact, strict=True))
-    return Places(variable, integers, Fraction(0), Fraction(1, 2**bits), worst, edges, mixed)
-
-
-def _edges(shape: tuple[int, ...], named: Sequence[Fraction]) -> tuple[Fraction, ...]:
-    edges: list[Fraction] = []
-    for i in range(len(shape)):
-        stride = math.prod(shape[i + 1 :])
-        inner = [c for c in range(len(named)) if c // stride % shape[i] < shape[i] - 1]
-        edges.append(max((abs(named[c + stride] - named[c]) for c in inner), default=Fraction(0)))
-    return tuple(edges)
-
-
-def _mixed(shape: tuple[int, ...], named: Sequence[Fraction]) -> Fraction:
-    """The largest mixed difference of the places over the last two inputs."""
-    if len(shape) < 2:
-        return Fraction(0)
-    across = shape[-1]
-    return max(
-        abs(named[c] - named[c + 1] - named[c + across] + named[c + across + 1])
-        for start in range(0, len(named), shape[-2] * across)
-        for c in (start + a * across + b for a, b in product(range(shape[-2] - 1), range(across - 1)))
-    )
+    integers = {t: min(FIELD_MAX, max(0, math.floor(exact[t] * 2**bits + HALF))) for t in table.used}
+    worst = max(abs(Fraction(integers[t], 2**bits) - exact[t]) for t in table.used)
+    unit = Fraction(1, 2**bits)
+    return Places(table.variable, table.by_cell(integers), Fraction(0), unit, worst, *table.steepness())

@@ -22,6 +22,8 @@ from fuzzyspec.lower.strategy import Interpolation
 from fuzzyspec.model.controller import CellRules, Controller
 
 MOST_INPUTS = 5
+MOST_WORDS = 1024
+"""Of a table with two outputs in a word. Larger ones take too much room for what they save."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ def applies(controller: Controller) -> bool:
 def ways(controller: Controller) -> tuple[Interpolation, ...]:
     """How a controller that this applies to can be computed."""
     assert controller.cells is not None
-    if len(controller.outputs) > 1 and format_of(controller, controller.cells).narrow:
+    small = math.prod(controller.cells.shape) <= MOST_WORDS
+    if small and len(controller.outputs) > 1 and format_of(controller, controller.cells).narrow:
         return ("loops", "written", "packed")
     return ("loops", "written")
 
