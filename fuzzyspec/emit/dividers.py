@@ -46,6 +46,7 @@ class Divider:
     domain: str
     bits: int
     digits: int
+    below: bool
     reciprocal: Reciprocal
 
 
@@ -59,6 +60,7 @@ def divider(kernel: Kernel, name: str) -> Divider:
         _domain(kernel),
         kernel.digit_bits,
         QUOTIENT_BITS // kernel.digit_bits,
+        kernel.below,
         _reciprocal(kernel),
     )
 

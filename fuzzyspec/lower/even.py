@@ -61,6 +61,11 @@ class EvenOutput:
         return tuple(h // self.unit for h in self.halves)
 
     @property
+    def inside(self) -> bool:
+        """Whether no mean comes near the upper end of the range (docs/numbers.md, "Even outputs")."""
+        return all(p < self.span or e for p, e in zip(self.peaks, self.ends, strict=True))
+
+    @property
     def scale(self) -> Scale:
         """Integer units of a relative area."""
         return Scale(2**AREA_BITS / (self.half * self.unit), self.span, True)

@@ -99,33 +99,35 @@ def fire_levels(
         return Element(rules.name, rules.ctype, place, 0, everything, True)
 
     sums = [_sums(o, e, i, firing, scope) for i, (o, e) in enumerate(zip(controller.outputs, evens, strict=True))]
-    seen = Local(scope.name("seen"), "uint32", 0, everything)
-    before: tuple[Local, Local] | None = None
     groups: list[Group] = []
-    for level, (strength, places) in enumerate(minors.groups(len(values) - 1, body, scope)):
+    reached: list[tuple[Local, Local]] = []
+    seen: Expr = Const(0)
+    # All sets come before all sums: what leads to the cells need not be kept beside the sums.
+    for strength, places in minors.groups(len(values) - 1, body, scope):
         groups.append((strength, places))
         terms: Expr = look(places[0])
         for place in places[1:]:
             terms = build.bits_or(terms, look(place))
-        if not level:
-            body.append(Comment("terms by levels, the strongest first: what they cover between one level and the next"))
-            body += [s for t in sums for s in _started(t)]
         named = build.local(scope.name("terms"), terms, ctype="uint32")
-        body.append(Define(named, terms, True))
+        together = build.bits_or(named, seen) if reached else named
+        seen = build.local(scope.name("seen"), together, ctype="uint32")
+        body += [Define(named, terms, True), Define(seen, together, True)]
+        reached.append((strength, seen))
+    body.append(Comment("from level to level, the strongest first: what the terms seen so far cover"))
+    body += [s for t in sums for s in _started(t)]
+    levels: list[tuple[Local, Local]] = []
+    for i, (strength, seen) in enumerate(reached):
         squared = square(strength, "level", scope)
         body.append(squared)
-        if before is None:
-            body += [Define(seen, named, False), *_ends(sums, named, strength, squared.local, scope)]
-        else:
-            body += _covered(sums, seen, before, (strength, squared.local), scope)
-            value = build.bits_xor(build.bits_or(named, seen), seen)
+        fresh: Local = seen
+        if i:
+            body += _covered(sums, reached[i - 1][1], levels[-1], (strength, squared.local), scope)
+            value = build.bits_xor(seen, reached[i - 1][1])
             fresh = build.local(scope.name("fresh"), value, ctype="uint32")
-            ends = _ends(sums, fresh, strength, squared.local, scope)
-            body += [Define(fresh, value, True), *ends] if ends else []
-            body.append(Assign(seen, build.bits_or(seen, named)))
-        before = strength, squared.local
-    assert before is not None
-    body += _covered(sums, seen, before, (Const(0), Const(0)), scope)
+        ends = _ends(sums, fresh, strength, squared.local, scope)
+        body += [Define(fresh, value, True), *ends] if ends and i else ends
+        levels.append((strength, squared.local))
+    body += _covered(sums, reached[-1][1], levels[-1], (Const(0), Const(0)), scope)
     if owners is not None:
         majors, (first,) = groups[0]
         body += act(owners, first, majors, firing, scope)

@@ -28,11 +28,12 @@ class Tail:
 
 
 def mean_to_raw(
-    variable: Variable, moment: Expr, area: Expr, division: Division, scope: Scope
+    variable: Variable, moment: Expr, area: Expr, division: Division, scope: Scope, below: bool = False
 ) -> tuple[list[Stmt], Expr, Tail]:
-    """The raw nearest to ``lo + (hi - lo) * moment / area``; needs ``0 <= moment <= area < 2**31``."""
+    """The raw nearest to ``lo + (hi - lo) * moment / area``; needs ``0 <= moment <= area < 2**31``, and ``below``
+    ``moment < area``."""
     body: list[Stmt] = []
-    ratio = build.quotient(moment, area, division)
+    ratio = build.quotient(moment, area, division, below)
     t = build.local(scope.name(f"{variable.name}_t"), ratio)
     body.append(Define(t, ratio, True))
     raw = variable.raw
