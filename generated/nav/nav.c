@@ -464,49 +464,16 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     uint32_t acting = 0U;
     uint32_t strongest = 0U;
     const uint32_t majors = 32768U - minor;
-
-    /* terms by levels, the strongest first: what they cover between one level and the next */
-    uint32_t v_area = 0U;
-    uint32_t v_moment = 0U;
-    uint32_t w_area = 0U;
-    uint32_t w_moment = 0U;
     const uint32_t terms = NAV_READ_U16(nav_velocity_rules, cell);
-    const uint32_t level_square = (majors * majors) >> 8U;
-    uint32_t seen = terms;
+    const uint32_t seen = terms;
     const uint32_t cell_2 = (uint32_t)((int32_t)cell + step);
     const uint32_t terms_2 = NAV_READ_U16(nav_velocity_rules, cell_2);
-    const uint32_t level_square_2 = (minor * minor) >> 8U;
-    const uint32_t drop = (majors - minor) << 8U;
-    const uint32_t drop_square = level_square - level_square_2;
-    const uint32_t v_row = (seen & 255U) * 4U;
-    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row) * drop)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row + 1U) * drop_square);
-    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row + 2U) * drop)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row + 3U) * drop_square);
-    const uint32_t w_row = (seen >> 8U) * 4U;
-    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row) * drop)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row + 1U) * drop_square);
-    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row + 2U) * drop)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row + 3U) * drop_square);
-    seen = seen | terms_2;
+    const uint32_t seen_2 = terms_2 | seen;
     const uint32_t cell_3 = (uint32_t)((int32_t)cell + step_2);
     const uint32_t cell_4 = (uint32_t)((int32_t)cell_3 + step);
     const uint32_t terms_3 = (uint32_t)NAV_READ_U16(nav_velocity_rules,
         cell_3) | NAV_READ_U16(nav_velocity_rules, cell_4);
-    const uint32_t level_square_3 = (minor_2 * minor_2) >> 8U;
-    const uint32_t drop_2 = (minor - minor_2) << 8U;
-    const uint32_t drop_square_2 = level_square_2 - level_square_3;
-    const uint32_t v_row_2 = (seen & 255U) * 4U;
-    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_2) * drop_2)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 1U) * drop_square_2);
-    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 2U) * drop_2)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 3U) * drop_square_2);
-    const uint32_t w_row_2 = (seen >> 8U) * 4U;
-    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_2) * drop_2)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 1U) * drop_square_2);
-    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 2U) * drop_2)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 3U) * drop_square_2);
-    seen = seen | terms_3;
+    const uint32_t seen_3 = terms_3 | seen_2;
     const uint32_t cell_5 = (uint32_t)((int32_t)cell + step_3);
     const uint32_t cell_6 = (uint32_t)((int32_t)cell_5 + step);
     const uint32_t cell_7 = (uint32_t)((int32_t)cell_6 + step_2);
@@ -514,20 +481,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     const uint32_t terms_4 = (((uint32_t)NAV_READ_U16(nav_velocity_rules,
         cell_5) | NAV_READ_U16(nav_velocity_rules, cell_6)) | NAV_READ_U16(nav_velocity_rules,
         cell_7)) | NAV_READ_U16(nav_velocity_rules, cell_8);
-    const uint32_t level_square_4 = (minor_3 * minor_3) >> 8U;
-    const uint32_t drop_3 = (minor_2 - minor_3) << 8U;
-    const uint32_t drop_square_3 = level_square_3 - level_square_4;
-    const uint32_t v_row_3 = (seen & 255U) * 4U;
-    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_3) * drop_3)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 1U) * drop_square_3);
-    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 2U) * drop_3)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 3U) * drop_square_3);
-    const uint32_t w_row_3 = (seen >> 8U) * 4U;
-    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_3) * drop_3)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 1U) * drop_square_3);
-    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 2U) * drop_3)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 3U) * drop_square_3);
-    seen = seen | terms_4;
+    const uint32_t seen_4 = terms_4 | seen_3;
     const uint32_t cell_9 = (uint32_t)((int32_t)cell + step_4);
     const uint32_t cell_10 = (uint32_t)((int32_t)cell_9 + step);
     const uint32_t cell_11 = (uint32_t)((int32_t)cell_10 + step_2);
@@ -541,28 +495,74 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
         cell_11)) | NAV_READ_U16(nav_velocity_rules, cell_12)) | NAV_READ_U16(nav_velocity_rules,
         cell_13)) | NAV_READ_U16(nav_velocity_rules, cell_14)) | NAV_READ_U16(nav_velocity_rules,
         cell_15)) | NAV_READ_U16(nav_velocity_rules, cell_16);
+    const uint32_t seen_5 = terms_5 | seen_4;
+
+    /* from level to level, the strongest first: what the terms seen so far cover */
+    uint32_t v_area = 0U;
+    uint32_t v_moment = 0U;
+    uint32_t w_area = 0U;
+    uint32_t w_moment = 0U;
+    const uint32_t level_square = (majors * majors) >> 8U;
+    const uint32_t level_square_2 = (minor * minor) >> 8U;
+    const uint32_t drop = (majors - minor) << 8U;
+    const uint32_t drop_square = level_square - level_square_2;
+    const uint32_t v_row = (seen & 255U) * 4U;
+    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row) * drop)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row + 1U) * drop_square);
+    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row + 2U) * drop)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row + 3U) * drop_square);
+    const uint32_t w_row = (seen >> 8U) * 4U;
+    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row) * drop)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row + 1U) * drop_square);
+    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row + 2U) * drop)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row + 3U) * drop_square);
+    const uint32_t level_square_3 = (minor_2 * minor_2) >> 8U;
+    const uint32_t drop_2 = (minor - minor_2) << 8U;
+    const uint32_t drop_square_2 = level_square_2 - level_square_3;
+    const uint32_t v_row_2 = (seen_2 & 255U) * 4U;
+    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_2) * drop_2)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 1U) * drop_square_2);
+    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 2U) * drop_2)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 3U) * drop_square_2);
+    const uint32_t w_row_2 = (seen_2 >> 8U) * 4U;
+    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_2) * drop_2)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 1U) * drop_square_2);
+    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 2U) * drop_2)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 3U) * drop_square_2);
+    const uint32_t level_square_4 = (minor_3 * minor_3) >> 8U;
+    const uint32_t drop_3 = (minor_2 - minor_3) << 8U;
+    const uint32_t drop_square_3 = level_square_3 - level_square_4;
+    const uint32_t v_row_3 = (seen_3 & 255U) * 4U;
+    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_3) * drop_3)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 1U) * drop_square_3);
+    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 2U) * drop_3)
+        - (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 3U) * drop_square_3);
+    const uint32_t w_row_3 = (seen_3 >> 8U) * 4U;
+    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_3) * drop_3)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 1U) * drop_square_3);
+    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 2U) * drop_3)
+        - (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 3U) * drop_square_3);
     const uint32_t level_square_5 = (minor_4 * minor_4) >> 8U;
     const uint32_t drop_4 = (minor_3 - minor_4) << 8U;
     const uint32_t drop_square_4 = level_square_4 - level_square_5;
-    const uint32_t v_row_4 = (seen & 255U) * 4U;
+    const uint32_t v_row_4 = (seen_4 & 255U) * 4U;
     v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_4) * drop_4)
         - (NAV_READ_U8(nav_velocity_v_covers, v_row_4 + 1U) * drop_square_4);
     v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_4 + 2U) * drop_4)
         - (NAV_READ_U8(nav_velocity_v_covers, v_row_4 + 3U) * drop_square_4);
-    const uint32_t w_row_4 = (seen >> 8U) * 4U;
+    const uint32_t w_row_4 = (seen_4 >> 8U) * 4U;
     w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_4) * drop_4)
         - (NAV_READ_U8(nav_velocity_w_covers, w_row_4 + 1U) * drop_square_4);
     w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_4 + 2U) * drop_4)
         - (NAV_READ_U8(nav_velocity_w_covers, w_row_4 + 3U) * drop_square_4);
-    seen = seen | terms_5;
     const uint32_t drop_5 = minor_4 << 8U;
     const uint32_t drop_square_5 = level_square_5;
-    const uint32_t v_row_5 = (seen & 255U) * 4U;
+    const uint32_t v_row_5 = (seen_5 & 255U) * 4U;
     v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_5) * drop_5)
         - (NAV_READ_U8(nav_velocity_v_covers, v_row_5 + 1U) * drop_square_5);
     v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_5 + 2U) * drop_5)
         - (NAV_READ_U8(nav_velocity_v_covers, v_row_5 + 3U) * drop_square_5);
-    const uint32_t w_row_5 = (seen >> 8U) * 4U;
+    const uint32_t w_row_5 = (seen_5 >> 8U) * 4U;
     w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_5) * drop_5)
         - (NAV_READ_U8(nav_velocity_w_covers, w_row_5 + 1U) * drop_square_5);
     w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_5 + 2U) * drop_5)
