@@ -157,7 +157,31 @@ def floor_div(left: Expr, right: Expr) -> Expr:
             return left
         if right.value & (right.value - 1) == 0:
             return shift_right(left, right.value.bit_length() - 1)
+        multiplied = _by_reciprocal(left, right.value)
+        if multiplied is not None:
+            return multiplied
     return _binary("/", left, right, left.lo // right.hi, left.hi // right.lo)
+
+
+def _by_reciprocal(left: Expr, divisor: int) -> Expr | None:
+    """``left / divisor`` by one product and shifts; None where no multiplier is exact for all values.
+
+    With ``e = m d - 2**s >= 0`` is ``x m / 2**s = x / d + x e / (d 2**s)``, which has the floor of ``x / d`` where
+    ``x e < 2**s`` (docs/numbers.md, "Division").
+    """
+    twos = (divisor & -divisor).bit_length() - 1
+    if isinstance(left, Const) or left.hi >> 31:
+        return None
+    value, odd = shift_right(left, twos), divisor >> twos
+    for s in range(1, 32):
+        m = -((-1 << s) // odd)
+        if value.hi * (m * odd - (1 << s)) >= 1 << s:
+            continue
+        if value.hi * m <= UINT32_MAX:
+            return shift_right(mul(value, Const(m)), s)
+        if s >= 16 and m <= 65536:
+            return shift_right(mul_high(value, Const(m)), s - 16)
+    return None
 
 
 def shift_right(left: Expr, count: int) -> Expr:

@@ -23,6 +23,15 @@
 #define NAV_READ_U16(table, index) ((table)[(index)])
 #endif
 
+/* floor(value * factor / 2^16) without a 64-bit product; factor <= 2^16. */
+static uint32_t nav_mul_high(uint32_t value, uint32_t factor)
+{
+    const uint32_t high = value >> 16U;
+    const uint32_t low = value & 0xFFFFU;
+
+    return (high * factor) + ((low * factor) >> 16U);
+}
+
 /* 2^21 / top at the middle of each 512 numbers from top = 2^13 up. */
 static const uint8_t nav_reciprocals[113] NAV_TABLE = {
     248U, 234U, 221U, 210U, 200U, 191U, 182U, 174U, 167U, 161U, 155U, 149U, 144U, 139U, 134U,
@@ -790,14 +799,14 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
     const int32_t v_left = (int32_t)(drive_v * 20U) + (drive_w * 3);
     const uint32_t v_left_up = (uint32_t)(v_left + 58980);
     const uint32_t v_left_up_2 = (v_left_up > 20U) ? (v_left_up - 20U) : 0U;
-    const uint32_t v_left_near = (v_left_up_2 + 20U) / 40U;
+    const uint32_t v_left_near = nav_mul_high((v_left_up_2 + 20U) >> 3U, 52429U) >> 2U;
     out->v_left = (int16_t)((int32_t)v_left_near - 1474);
 
     /* output v_right */
     const int32_t v_right = (int32_t)(drive_v * 20U) - (drive_w * 3);
     const uint32_t v_right_up = (uint32_t)(v_right + 58980);
     const uint32_t v_right_up_2 = (v_right_up > 20U) ? (v_right_up - 20U) : 0U;
-    const uint32_t v_right_near = (v_right_up_2 + 20U) / 40U;
+    const uint32_t v_right_near = nav_mul_high((v_right_up_2 + 20U) >> 3U, 52429U) >> 2U;
     out->v_right = (int16_t)((int32_t)v_right_near - 1474);
 
     return status;

@@ -104,6 +104,19 @@ def test_division_refuses_negatives_and_zero(left: Operand, right: Operand) -> N
     agrees(node, lambda a, b: a // b, left, right)
 
 
+@given(divisor=st.integers(2, 5000) | st.integers(2, 2**20), hi=st.integers(0, 2**21) | numbers(0, UINT32_MAX))
+def test_division_by_a_constant_is_a_product_where_it_can_be(divisor: int, hi: int) -> None:
+    """Exact where it is hardest: just below, at and above the multiples, the largest among them; and it is no division
+    for all that 15 bits hold."""
+    x = Local("x", "uint32", 0, hi)
+    multiples = {q * divisor for q in (0, 1, 2, hi // divisor // 2, hi // divisor - 1, hi // divisor)}
+    values = tuple(v for m in sorted(multiples) for v in (m - 1, m, m + 1) if 0 <= v <= hi)
+    node = build.floor_div(x, Const(divisor))
+    agrees(node, lambda a, b: a // b, Operand(x, (*values, hi)), Operand(Const(divisor), (divisor,)))
+    if hi < 2**15 and divisor < 2**15:
+        assert not (isinstance(node, Binary) and node.op == "/")
+
+
 @given(left=operands("a"), count=st.integers(-1, 33))
 def test_shifts_lose_nothing_to_the_left(left: Operand, count: int) -> None:
     """A left shift that could push a bit out of 32 is refused, and so is any shift of a negative or by 32 and more."""
