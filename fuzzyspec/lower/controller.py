@@ -40,7 +40,7 @@ from fuzzyspec.lower.multilinear import MultilinearNumbers, interpolate
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
 from fuzzyspec.lower.saturation import saturated
 from fuzzyspec.lower.scope import Scope
-from fuzzyspec.lower.slide import form_of, slide
+from fuzzyspec.lower.slide import slide, slides
 from fuzzyspec.lower.strategy import Rules, Strategy
 from fuzzyspec.model.controller import Controller, Input, Output
 from fuzzyspec.model.variable import Variable
@@ -168,9 +168,9 @@ def _reaches_half(controller: Controller, output: int) -> bool:
 def _degrees(item: Input, dense: bool, rules: Rules, bit: str, scope: Scope) -> tuple[list[Stmt], Degrees, list[Stmt]]:
     """An input's degrees, and statements that later tell of its saturation."""
     bare = rules != "loops"
-    if not dense and form_of(item) == "slide":
-        upper = Local(scope.name(f"{item.name}_term"), "uint8", 0, 1)
-        slid = slide(item, DEGREE_ONE, [Assign(upper, Const(1))], bit, scope)
+    if not dense and slides(item):
+        upper = Local(scope.name(f"{item.name}_term"), "uint8", 0, len(item.terms) - 2)
+        slid = slide(item, DEGREE_ONE, lambda k: [Assign(upper, Const(k))], bit, scope)
         two = len(item.terms) == 2
         body: list[Stmt] = slid.steps if two else [Define(upper, Const(0), False), *slid.steps]
         found = Degrees("", 2, Const(0) if two else upper, slid.error, slid.degree)

@@ -1,8 +1,8 @@
 """Fuzzification for interpolation: a raw becomes the degree of the upper active term and a step through the cells.
 
 Three forms. Two even pieces: the raw slides down to the first while the index of the cell moves up, and one line serves
-both. More even pieces: one line over all of them, whose upper bits count pieces and whose lower bits are the degree.
-Anything else: a chain of pieces.
+both (other controllers do so with any number of pieces). More even pieces: one line over all of them, whose upper bits
+count pieces and whose lower bits are the degree. Anything else: a chain of pieces.
 """
 
 from __future__ import annotations
@@ -49,17 +49,30 @@ class Fuzzified:
     error: Fraction
 
 
-def form_of(item: Input) -> Form:
-    """How an input is fuzzified."""
-    if item.peaks is None or len(item.peaks) < 2:
-        return "chain"
+def slides(item: Input) -> bool:
+    """Whether the peaks are evenly spaced raws, the first and the last legal one among them."""
+    places = _even(item)
     raw = item.variable.raw
-    places = [position(raw, p) for p in item.peaks]
-    first, step, top = places[0], places[1] - places[0], raw.hi - raw.lo
-    if any(p != first + k * step for k, p in enumerate(places)):
+    return bool(places) and places[0] == 0 and places[1].denominator == 1 and places[-1] == raw.hi - raw.lo
+
+
+def _even(item: Input) -> list[Fraction]:
+    """Positions of evenly spaced peaks; none where they are not."""
+    if item.peaks is None or len(item.peaks) < 2:
+        return []
+    places = [position(item.variable.raw, p) for p in item.peaks]
+    step = places[1] - places[0]
+    return places if all(p == places[0] + k * step for k, p in enumerate(places)) else []
+
+
+def form_of(item: Input) -> Form:
+    """How an input is fuzzified for interpolation."""
+    places = _even(item)
+    if not places:
         return "chain"
-    if len(places) <= 3 and first == 0 and step.denominator == 1 and places[-1] == top:
+    if len(places) <= 3 and slides(item):
         return "slide"
+    first, top = places[0], item.variable.raw.hi - item.variable.raw.lo
     if len(places) > 2 and -1 < first <= 0 and top <= places[-1] < top + 1:
         return "scale"
     return "chain"
@@ -85,11 +98,11 @@ def fuzzified(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: S
 
 
 def _slide(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scope) -> Fuzzified:
-    return slide(item, one, cell.up(Const(stride)), bit, scope)
+    return slide(item, one, lambda k: cell.up(Const(k * stride)), bit, scope)
 
 
-def slide(item: Input, one: int, moves: list[Stmt], bit: str, scope: Scope) -> Fuzzified:
-    """An input of form "slide"; ``moves`` are made where the upper piece is active."""
+def slide(item: Input, one: int, moves: Callable[[int], list[Stmt]], bit: str, scope: Scope) -> Fuzzified:
+    """An input that :func:`slides`; ``moves`` are made where a piece above the first is active."""
     assert item.peaks is not None
     raw, pieces = item.variable.raw, len(item.peaks) - 1
     step = (raw.hi - raw.lo) // pieces
@@ -97,20 +110,21 @@ def slide(item: Input, one: int, moves: list[Stmt], bit: str, scope: Scope) -> F
     at = build.local(scope.name(f"{item.name}_at"), counts)
     over = at.hi > raw.hi - raw.lo
     body.append(Define(at, counts, pieces == 1 and not over))
-    # Above one piece, once it has slid down, there is only what lies above the range.
+    # Above the last piece, once it has slid down, there is only what lies above the range.
     capped: list[Stmt] = []
     if over:
         capped = [Branch(build.compare(">", at, Const(step)), (Assign(at, Const(step)), SetStatus(bit)))]
-    if pieces == 2:
-        down = build.sub_guarded(at, Const(step), at.hi - step)
-        capped = [
-            Branch(build.compare(">=", at, Const(step)), (Assign(at, down), *moves, *capped)),
-        ]
+    chain: tuple[Stmt, ...] = ()
+    for k in range(1, pieces):
+        down = build.sub_guarded(at, Const(k * step), at.hi - k * step)
+        inside = (Assign(at, down), *moves(k), *(capped if k == pieces - 1 else []))
+        chain = (Branch(build.compare(">=", at, Const(k * step)), inside, chain),)
+    body += chain if pieces > 1 else capped
     line = fit(Fraction(0), Fraction(one, step), step)
     degree = Local(scope.name(f"{item.name}_d"), "uint16", 0, one)
     value = line.expr(Local(at.name, at.ctype, 0, step))
     assert line.top <= one
-    return Fuzzified([*body, *capped, Define(degree, value, True)], [], degree, line.error / one)
+    return Fuzzified([*body, Define(degree, value, True)], [], degree, line.error / one)
 
 
 def _from_bottom(item: Input, bit: str, scope: Scope) -> tuple[list[Stmt], Expr]:
