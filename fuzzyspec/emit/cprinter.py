@@ -245,21 +245,20 @@ def _shift(expr: Binary, level: Level, names: Spelling) -> Text:
 
 
 def _together(left: Text, right: Text, ctype: CType) -> tuple[Text, Text]:
-    """Two operands such that C computes in the type, or in ``int`` or ``unsigned`` what fits the type.
-
-    What C computed in ``int`` does not meet ``unsigned``, of which clang and gcc warn.
-    """
-
-    def ready(value: Text, other: Text) -> Text:
-        return value if value.ctype == ctype and (value.unsigned or not other.unsigned) else _settled(value)
-
-    left, right = ready(left, right), ready(right, left)
+    """Two operands such that C computes in the type, or in ``int`` or ``unsigned`` what fits the type."""
+    left, right = _ready(left, right, ctype), _ready(right, left, ctype)
     if width(left.ctype) < width(ctype) and width(right.ctype) < width(ctype):
         if left.literal and not right.literal:
             right = cast(right, ctype)
         else:
             left = cast(left, ctype)
     return left, right
+
+
+def _ready(value: Text, other: Text, ctype: CType) -> Text:
+    """The operand, cast to its type unless it may stay promoted: what C computed in ``int`` must not meet
+    ``unsigned``, of which clang and gcc warn."""
+    return value if value.ctype == ctype and (value.unsigned or not other.unsigned) else _settled(value)
 
 
 def _is_product(expr: Expr) -> bool:
@@ -314,7 +313,13 @@ def _test(test: Test, names: Spelling) -> Text:
         case Compare():
             narrow = names.narrow and not any(_is_complement(side) for side in (test.left, test.right))
             ctype = arithmetic(narrow, _interval(test.left), _interval(test.right))
-            left, right = (_settled(_operand(side, ctype, names)) for side in (test.left, test.right))
+            # From 16 bits to 8 a cast would cost the reader more than it saves.
+            wanted = of_width(signed(ctype), max(16, width(ctype)))
+            left, right = (_operand(side, wanted, names) for side in (test.left, test.right))
+            left, right = (
+                _ready(side, other, side.ctype if other.literal else other.ctype)
+                for side, other in ((left, right), (right, left))
+            )
             operator_right = right.text if right.literal else _wrapped(right)
             return Text(f"{_wrapped(left)} {test.op} {operator_right}", Level.COMPARE, "uint8")
         case AllOf():

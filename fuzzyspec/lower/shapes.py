@@ -22,8 +22,14 @@ _SHIFT_LONG = {0: 0, 1: 4, 2: 8, 8: 4, 16: 1, 24: 4}
 
 
 def cheapest(expr: Expr) -> Expr:
-    """The expression, or where it is a shift to the right the cheapest one that is equal to it."""
+    """The expression, or where it is a shift to the right the cheapest one that is equal to it; a factor that is
+    shifted to the left is shifted after the multiplication."""
     match expr:
+        case Binary("*", a, Binary("<<", x, Const(count))) if a.hi <= SHORT and x.hi <= SHORT:
+            product = Binary("*", a, x, a.lo * x.lo, a.hi * x.hi)
+            return min(expr, Binary("<<", product, Const(count), expr.lo, expr.hi), key=cycles)
+        case Binary("*", Binary("<<") as shifted, a) if not isinstance(a, Binary):
+            return cheapest(Binary("*", a, shifted, expr.lo, expr.hi))
         case Binary(">>", x, Const(count)) if count and x.hi > SHORT:
             return min(_equal(x, count, expr), key=cycles)
         case _:

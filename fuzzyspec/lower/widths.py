@@ -11,13 +11,15 @@ from dataclasses import replace
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import CType, Expr, Function, Local
 from fuzzyspec.fixed.rewrite import declared, rewritten_body
+from fuzzyspec.lower.factors import with_short_factors
 from fuzzyspec.lower.shapes import cheapest, plainest
 from fuzzyspec.lower.strategy import Widths
 
 
 def fit_widths(function: Function, widths: Widths) -> Function:
     """The function with its locals as wide as suits the machine."""
-    types = {name: _type(lo, hi, widths) for name, (lo, hi) in declared(function.body).items()}
+    body = function.body if widths == "words" else with_short_factors(function.body)
+    types = {name: _type(lo, hi, widths) for name, (lo, hi) in declared(body).items()}
 
     def retype(local: Local) -> Local:
         return replace(local, ctype=types.get(local.name, local.ctype))
@@ -27,7 +29,7 @@ def fit_widths(function: Function, widths: Widths) -> Function:
             return retype(expr)
         return cheapest(expr) if widths == "narrow" else plainest(expr)
 
-    return replace(function, body=rewritten_body(function.body, change, retype))
+    return replace(function, body=rewritten_body(body, change, retype))
 
 
 def _type(lo: int, hi: int, widths: Widths) -> CType:

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.build import UINT32_MAX
-from fuzzyspec.fixed.program import Binary, Const, Expr, Local
+from fuzzyspec.fixed.program import Binary, Const, Define, Expr, Local, SetOutput
+from fuzzyspec.lower.factors import with_short_factors
 from fuzzyspec.lower.shapes import cheapest, cycles, operators, plainest
 
 
@@ -80,3 +81,22 @@ def test_long_shifts_and_multipliers_go() -> None:
     assert cheapest(third) == build.rounded_shift(build.mul(u, Const(43690)), 16)
     half = build.shift_right(build.add(build.mul(u, Const(32768)), Const(49152)), 16)
     assert cheapest(half) == plainest(half) == build.shift_right(build.add(u, Const(1)), 1)
+
+
+def test_a_local_that_only_multiplies_is_held_short() -> None:
+    """``drop = d << 8`` becomes ``drop = d``, and its product is shifted; one that is also added stays as it is."""
+    d, c = Local("d", "uint16", 0, 32768), Local("c", "uint8", 0, 255)
+    wide = build.shift_left(d, 8)
+    drop = build.local("drop", wide)
+    body = (Define(drop, wide, True), SetOutput("y", build.mul(c, drop)))
+    short = Local("drop", drop.ctype, 0, 32768)
+    held = with_short_factors(body)
+    assert held == (
+        Define(short, d, True),
+        SetOutput("y", Binary("*", c, Binary("<<", short, Const(8), 0, drop.hi), 0, 255 * drop.hi)),
+    )
+    (_, output) = held
+    assert isinstance(output, SetOutput)
+    assert cheapest(output.value) == build.shift_left(build.mul(c, short), 8)
+    summed = (Define(drop, wide, True), SetOutput("y", build.add(build.mul(c, drop), drop)))
+    assert with_short_factors(summed) == summed
