@@ -225,6 +225,8 @@ def _binary(expr: Binary, names: Spelling) -> Text:
         raise AssertionError("only non-negative values are divided, by positive ones")
     narrow = names.narrow and not _is_complement(expr)
     ctype = arithmetic(narrow, *(_interval(e) for e in (expr.left, expr.right, expr)))
+    if width(ctype) == 8 and not signed(ctype) and any(map(_is_cut, (expr.left, expr.right))):
+        ctype = "uint16"
     operand = _factor if expr.op == "*" and width(ctype) == 32 else _operand
     left, right = _together(operand(expr.left, ctype, names), operand(expr.right, ctype, names), ctype)
     chained = left.level == level and expr.op in ("+", "-", "*") and (level == Level.ADD or _is_product(expr.left))
@@ -337,6 +339,11 @@ def _test(test: Test, names: Spelling) -> Text:
 def _is_complement(expr: Expr) -> bool:
     """What gcc takes for ``~x``, and warns of where it is compared, unless in 32 bits."""
     return isinstance(expr, Binary) and expr.op == "-" and expr.left in (Const(255), Const(65535))
+
+
+def _is_cut(expr: Expr) -> bool:
+    """What avr-gcc, where it is cast to 8 bits, takes for an ``int``, and warns of its meeting ``unsigned``."""
+    return isinstance(expr, Binary) and expr.op == ">>" and max(expr.left.hi, 1 << expr.right.hi) > 255
 
 
 def _joined(operator: str, level: Level, operands: tuple[Test, ...], names: Spelling) -> Text:
