@@ -12,7 +12,7 @@ from benchmarks.baselines.interface import template_in
 from benchmarks.own import KINDS, Entry
 from benchmarks.results import Results
 from benchmarks.workloads import WORKLOADS
-from fuzzyspec.cost import Record
+from fuzzyspec.cost import OPTIMISATIONS, Record
 
 PLOT = "benchmarks.svg"
 _TARGETS = {"cortex-m0plus": "M0+", "cortex-m4": "M4", "rv32imc": "RV32", "avr": "AVR"}
@@ -59,14 +59,19 @@ def _short(results: Results) -> str:
         for kind in KINDS
         if (entry := results.entry(workload, kind)) is not None
     ]
+    return _table(["workload", "", *_heads(), "error", "certified"], rows, left=2)
+
+
+def _heads() -> list[str]:
+    """Of costs and sizes."""
     costs = [f"{short} {'cycles' if target == 'avr' else 'instr.'}" for target, short in _TARGETS.items()]
-    return _table(["workload", "", *costs, "M0+ flash", "error", "certified"], rows, left=2)
+    return [*costs, *(f"M0+ flash -{option}" for option in OPTIMISATIONS)]
 
 
 def _short_row(workload: str, entry: Entry) -> list[str]:
     costs = [_count(_cost(entry.record(target, "O2"))) for target in _TARGETS]
-    flash = _count(_flash(entry))
-    return [workload, _named(entry), *costs, flash, _percent(_largest(entry)), _up(entry.certified)]
+    sizes = [_count(_flash(entry, option)) for option in OPTIMISATIONS]
+    return [workload, _named(entry), *costs, *sizes, _percent(_largest(entry)), _up(entry.certified)]
 
 
 def _comparison(results: Results) -> str:
@@ -76,10 +81,9 @@ def _comparison(results: Results) -> str:
         own, table = results.entry(workload, "fuzzyc"), results.entry(workload, "lookup table")
         if own is not None and table is not None:
             costs = [_ratio(_cost(own.record(t, "O2")), _cost(table.record(t, "O2"))) for t in _TARGETS]
-            rest = [_ratio(_flash(own), _flash(table)), _ratio(_largest(own), _largest(table))]
-            rows.append([workload, *costs, *rest])
-    costs = [f"{short} {'cycles' if target == 'avr' else 'instr.'}" for target, short in _TARGETS.items()]
-    return _table(["workload", *costs, "M0+ flash", "error"], rows, left=1) if rows else ""
+            sizes = [_ratio(_flash(own, o), _flash(table, o)) for o in OPTIMISATIONS]
+            rows.append([workload, *costs, *sizes, _ratio(_largest(own), _largest(table))])
+    return _table(["workload", *_heads(), "error"], rows, left=1) if rows else ""
 
 
 def _costs(results: Results) -> str:
@@ -154,8 +158,8 @@ def _cost(record: Record | None) -> float | None:
     return record.cycles_mean if record.target == "avr" else record.instructions_mean
 
 
-def _flash(entry: Entry) -> int | None:
-    record = entry.record("cortex-m0plus", "Os")
+def _flash(entry: Entry, option: str) -> int | None:
+    record = entry.record("cortex-m0plus", option)
     return None if record is None else record.flash
 
 
@@ -188,7 +192,9 @@ def _ratio(of: float | None, by: float | None) -> str:
     """As many times with two digits; a small part as a fraction."""
     if of is None or by is None or not by:
         return "-"
-    return f"1/{by / of:,.0f}" if of < by / 10 else f"{of / by:.2g}"
+    if of < by / 10:
+        return f"1/{by / of:,.0f}"
+    return f"{of / by:.2f}" if of < by else f"{of / by:.1f}"
 
 
 def _microseconds(nanoseconds: float | None) -> str:

@@ -59,13 +59,20 @@ def _draw(axes: Any, results: Results, workload: str, kind: str, shape: str) -> 
     colour = _COLOURS[kind]
     face = "white" if kind == "fuzzylite" else colour
     axes.plot([cost], [error], shape, color=colour, markerfacecolor=face, markersize=8, zorder=3)
-    # Where points lie close together, their labels go to different sides.
-    sides = {"W1": ((-8, -4), "right"), "W3s": ((0, -15), "center") if kind == "lookup table" else ((8, 5), "left")}
-    at, side = sides.get(workload, ((8, -4), "left"))
+    at, side = _label(results, workload, kind, cost)
     axes.annotate(workload, (cost, error), at, textcoords="offset points", ha=side, color=colour, fontsize=9)
     if certified is not None:
         axes.plot([cost, cost], [error, certified], "-", color=colour, linewidth=1.0, zorder=2)
         axes.plot([cost], [certified], "_", color=colour, markersize=11, zorder=2)
+
+
+def _label(results: Results, workload: str, kind: str, cost: float) -> tuple[tuple[int, int], str]:
+    """Offset and alignment: W1 and W2 lie close together, and so do the table's W3s and fuzzyc's."""
+    if workload == "W3s":
+        return ((0, -15), "center") if kind == "lookup table" else ((8, 5), "left")
+    neighbour = _point(results, {"W1": "W2", "W2": "W1"}.get(workload, ""), kind)
+    right = neighbour is None or cost > neighbour[0]
+    return ((8, -4), "left") if right else ((-8, -4), "right")
 
 
 def _point(results: Results, workload: str, kind: str) -> tuple[float, float, float | None] | None:
