@@ -66,6 +66,35 @@ def batch_symbol(index: int) -> str:
     return f"fuzzyc_batch_{index}"
 
 
+def pointer_symbol(index: int) -> str:
+    """The probe's pointers of the program's function with that index."""
+    return f"fuzzyc_pointers_{index}"
+
+
+def print_probe(program: Program) -> str:
+    """Arguments for every function, as data: ``const void *const fuzzyc_pointers_<i>[]`` holds how many arguments it
+    takes, the arguments, and for every list of its input the place of the pointer and the records that it points to.
+    """
+    names = name_module(program)
+    lines = [f'#include "{names.header}"']
+    for index, function in enumerate(program.functions):
+        layout = layout_of(program, function, names)
+        c = names.functions[function.name]
+        stem = f"fuzzyc_probe_{index}"
+        lines += [f"static {c.input_t} {stem}_in;", f"static {c.output_t} {stem}_out;"]
+        arguments = [f"&{stem}_in", f"&{stem}_out"]
+        if layout.state:
+            lines.append(f"static {c.state_t} {stem}_state;")
+            arguments.insert(0, f"&{stem}_state")
+        words = [f"(const void *){len(arguments)}", *arguments]
+        for k, listed in enumerate(layout.lists):
+            lines.append(f"static {c.records[listed.name]} {stem}_list_{k}[{listed.capacity}];")
+            words += [f"&{stem}_in.{c.inputs[listed.name]}", f"{stem}_list_{k}"]
+        symbol = f"const void *const {pointer_symbol(index)}[{len(words)}]"
+        lines += [f"extern {symbol};", f"{symbol} = {{ {', '.join(words)} }};", ""]
+    return "\n".join(lines)
+
+
 def print_emulated_harness(program: Program) -> str:
     """``void fuzzyc_batch_<i>(uint32_t n, const uint8_t *in, uint8_t *out)`` for every function: n cases."""
     names = name_module(program)

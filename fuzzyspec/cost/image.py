@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 
 from fuzzyspec.cost.elf import Binary, read_elf
-from fuzzyspec.cost.harness import batch_symbol, print_emulated_harness
+from fuzzyspec.cost.harness import batch_symbol, pointer_symbol, print_emulated_harness, print_probe
 from fuzzyspec.cost.toolchains import OWN, CrossCompiler
 from fuzzyspec.emit.names import name_module
 from fuzzyspec.fixed.program import Program
@@ -78,6 +78,16 @@ class Image:
         self.compiler.compile(source, harness, "O1", HARNESS)
         roots = [batch_symbol(i) for i in range(len(self.program.functions))]
         self.compiler.link([self.own, harness], self.path / "layout.ld", made, roots)
+        return read_elf(made)
+
+    def probed(self) -> Binary:
+        """All functions with arguments for them (``harness.print_probe``)."""
+        source = self.write("probe.c", print_probe(self.program))
+        probe, made = self.path / "probe.o", self.path / "probe.elf"
+        self.compiler.compile(source, probe, "O1", HARNESS)
+        functions = [self.names.functions[f.name].function for f in self.program.functions]
+        pointers = [pointer_symbol(i) for i in range(len(functions))]
+        self.compiler.link([self.own, probe], self.path / "layout.ld", made, [*functions, *pointers])
         return read_elf(made)
 
     def close(self) -> None:

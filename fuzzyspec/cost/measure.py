@@ -12,6 +12,7 @@ from fuzzyspec.cost.avr import measure_avr, simavr_is_here
 from fuzzyspec.cost.emulate import Emulation
 from fuzzyspec.cost.image import Image
 from fuzzyspec.cost.toolchains import CrossCompiler
+from fuzzyspec.cost.worst import Bound, derive
 from fuzzyspec.estimate.inputs import draw_cases
 from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.fixed.run import Run, run
@@ -26,9 +27,10 @@ Meaning = Callable[[str, Mapping[str, Ints], Mapping[str, Ints] | None], Run]
 class Record:
     """One function on one target, built with one option. None where nothing honest can be said.
 
-    Means and largest are over the inputs that were tried. ``flash`` is with what the compiler's library adds,
-    ``flash_own`` without. ``matches``: the emulated outputs, status and state were those that were wanted: the integer
-    program's, bit for bit, where nothing else is said.
+    Means and largest are over the inputs that were tried; ``instructions_worst`` and ``cycles_worst`` are derived from
+    the code: no call takes more. ``worst_reason`` says why there is no such figure. ``flash`` is with what the
+    compiler's library adds, ``flash_own`` without. ``matches``: the emulated outputs, status and state were those that
+    were wanted: the integer program's, bit for bit, where nothing else is said.
     """
 
     target: str
@@ -37,13 +39,22 @@ class Record:
     compiler: str
     instructions_mean: float | None
     instructions_max: int | None
+    instructions_worst: int | None
     cycles_mean: float | None
     cycles_max: int | None
+    cycles_worst: int | None
+    worst_reason: str | None
     flash: int
     flash_own: int
     ram: int
     stack: int | None
     matches: bool | None
+
+    @property
+    def exceeds(self) -> bool:
+        """Whether a call took more than is derived: the derivation would be wrong."""
+        pairs = ((self.instructions_max, self.instructions_worst), (self.cycles_max, self.cycles_worst))
+        return any(seen is not None and worst is not None and seen > worst for seen, worst in pairs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +75,8 @@ class Mismatch:
 class Conditions:
     """What is built and tried: ``inputs`` cases a function.
 
-    ``long_calls``: calls may take more than half a million cycles on AVR (``avr.measure_avr``).
+    ``long_calls``: calls may take more than half a million cycles on AVR (``avr.measure_avr``). ``worst``: derive what
+    no call exceeds; the C must be fuzzyc's own.
     """
 
     compilers: tuple[CrossCompiler, ...]
@@ -72,6 +84,7 @@ class Conditions:
     inputs: int = 1000
     only: tuple[str, ...] = ()
     long_calls: bool = False
+    worst: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +93,11 @@ class Measured:
 
     records: tuple[Record, ...]
     mismatches: tuple[Mismatch, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether every output was right, and no call took more than the worst case derived."""
+        return not self.mismatches and not any(r.exceeds for r in self.records)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,6 +166,7 @@ def _measure_image(
                 result, cycles, stack = timed.result, timed.cycles, timed.stack
         mismatch = None if result is None else _first_mismatch(image, name, tried, result, slack)
         sizes = image.sizes(name)
+        worst = derive(image, name) if conditions.worst else Bound(None, None, None, {})
         record = Record(
             image.compiler.target.name,
             image.option,
@@ -155,8 +174,11 @@ def _measure_image(
             image.compiler.description,
             _mean(instructions),
             _largest(instructions),
+            worst.instructions,
             _mean(cycles),
             _largest(cycles),
+            worst.cycles,
+            worst.reason,
             sizes.flash,
             sizes.own,
             sizes.ram,

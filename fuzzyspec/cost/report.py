@@ -11,7 +11,11 @@ from fuzzyspec.cost.budgets import Verdict, as_data, as_lines
 from fuzzyspec.cost.measure import Conditions, Measured, Mismatch, Record
 from fuzzyspec.estimate.inputs import SEED
 
-_HEADS = ("target", "option", "instructions", "largest", "cycles", "largest", "flash", "library", "RAM", "stack")
+_HEADS = (
+    *("target", "option", "instructions", "largest", "derived", "cycles", "largest", "derived"),
+    *("flash", "library", "RAM", "stack"),
+)
+BUG = "this is a defect of fuzzyc, please report it"
 _LEFT = 2
 """Columns of words, which are set flush left."""
 
@@ -25,7 +29,7 @@ def as_json(
 ) -> dict[str, Any]:
     """One record per target, option and function; ``missing`` gives the way out by target that could not be built."""
     return {
-        "ok": not measured.mismatches and all(v.met is not False for v in verdicts),
+        "ok": measured.ok and all(v.met is not False for v in verdicts),
         "module": module,
         "inputs": conditions.inputs,
         "seed": SEED,
@@ -45,7 +49,11 @@ def as_text(
 ) -> str:
     """A table a function, what comes of the budgets, and what the figures mean."""
     n = conditions.inputs
-    lines = [f"{module}: mean and largest over {n} inputs that were tried, which is no worst case", ""]
+    lines = [
+        f"{module}: mean and largest over {n} inputs that were tried, which is no worst case;",
+        "derived: the longest path through the built code, which no call exceeds",
+        "",
+    ]
     by_function = sorted(measured.records, key=lambda r: _order(measured.records).index(r.function))
     for name, group in groupby(by_function, key=lambda r: r.function):
         lines += [name, *_table(list(group)), ""]
@@ -53,6 +61,7 @@ def as_text(
     lines += _notes(measured.records)
     lines += [f"not measured: {target} ({why})" for target, why in missing.items()]
     lines += [line for mismatch in measured.mismatches for line in describe(mismatch)]
+    lines += [f"EXCEEDED: {_of(r)} took more than the worst case derived: {BUG}" for r in measured.records if r.exceeds]
     return "\n".join(lines)
 
 
@@ -90,8 +99,10 @@ def _row(r: Record) -> tuple[str, ...]:
         f"-{r.option}",
         _mean(r.instructions_mean),
         _whole(r.instructions_max),
+        _whole(r.instructions_worst),
         _mean(r.cycles_mean),
         _whole(r.cycles_max),
+        _whole(r.cycles_worst),
         str(r.flash),
         str(r.flash - r.flash_own),
         str(r.ram),
@@ -124,10 +135,15 @@ def _notes(records: Sequence[Record]) -> list[str]:
     compared = [r for r in records if r.matches is not None]
     if compared and all(r.matches for r in compared):
         lines.append("every output, status and state was the integer program's, bit for bit")
+    lines += [f"nothing derived for {_of(r)}: {r.worst_reason}" for r in records if r.worst_reason is not None]
     untimed = [r for r in records if r.matches is None]
     if untimed:
         lines.append("not run (simavr was not found, or the inputs do not fit the device): " + _names(untimed))
     return lines
+
+
+def _of(record: Record) -> str:
+    return f"{record.function} on {record.target} -{record.option}"
 
 
 def _names(records: Sequence[Record]) -> str:

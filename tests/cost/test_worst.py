@@ -1,0 +1,57 @@
+"""The derived worst case of real builds: never below what was measured, and close to it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fuzzyspec import load
+from fuzzyspec.cost import Conditions, Record, measure
+from fuzzyspec.cost.toolchains import Kind
+from fuzzyspec.lower import Options
+from tests.cost.cost_specs import compiler_for
+
+ROOT = Path(__file__).resolve().parents[2]
+SPECS = [
+    *(ROOT / "benchmarks" / f"{name}.fz" for name in ("w1", "w2", "w3", "w3s", "w3_raw16")),
+    ROOT / "examples" / "nav.fz",
+]
+BUILDS: list[tuple[str, Kind | None]] = [
+    ("cortex-m0plus", "gcc"),
+    ("cortex-m0plus", "zig"),
+    ("cortex-m4", "gcc"),
+    ("cortex-m4", "zig"),
+    ("rv32imc", "gcc"),
+    ("rv32imc", "zig"),
+    ("avr", None),
+]
+
+NOT_DERIVED = {("nav", "cortex-m0plus", "zig")}
+"""zig's library divides in a do-while loop whose count it computes: that the count is not 0 is not followed."""
+
+
+def records_of(text: str, target: str, kind: Kind | None, option: str, inputs: int) -> tuple[Record, ...]:
+    """What ``fuzzyc cost`` would tell of a spec."""
+    conditions = Conditions((compiler_for(target, kind),), (option,), inputs, worst=True)
+    spec = load(text)
+    chosen = Options(optimize="size" if option == "Os" else "speed", target=target)
+    return measure(spec.lowered.program, lambda *_: spec.compile(chosen).files, conditions).records
+
+
+@pytest.mark.parametrize(("target", "kind"), BUILDS)
+@pytest.mark.parametrize("option", ["O2", "Os"])
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
+def test_the_derived_worst_case_holds_and_is_close(path: Path, target: str, kind: Kind | None, option: str) -> None:
+    """For every function of the benchmarks and the examples: no input took more, and the largest is not far below."""
+    for record in records_of(path.read_text(encoding="utf-8"), target, kind, option, 60):
+        if (record.function, target, kind) in NOT_DERIVED:
+            assert record.worst_reason is not None
+            assert "has no bound that could be derived" in record.worst_reason
+            continue
+        pairs = [(record.instructions_max, record.instructions_worst), (record.cycles_max, record.cycles_worst)]
+        told = [(seen, worst) for seen, worst in pairs if seen is not None]
+        assert told, record
+        for seen, worst in told:
+            assert worst is not None, record
+            assert seen <= worst <= 1.5 * seen, record
