@@ -14,6 +14,7 @@ from benchmarks.plot import drawn
 from benchmarks.results import Results, as_json, from_json
 from benchmarks.run import Plan, run
 from benchmarks.workloads import ROOT, WORKLOADS
+from fuzzyspec.cost import EmulationError
 from fuzzyspec.diagnostics.refusal import Refusal
 
 TARGETS = ("cortex-m0plus", "cortex-m4", "rv32imc", "avr")
@@ -41,7 +42,7 @@ def main(words: list[str] | None = None) -> int:
     except Refusal as error:
         print(f"benchmarks: {error}", file=sys.stderr)
         return 2
-    except WrongResult as error:
+    except (WrongResult, EmulationError) as error:
         print(f"benchmarks: not what it should be: {error}", file=sys.stderr)
         return 1
     _write(results, Path(arguments.docs), arguments.json)

@@ -67,7 +67,7 @@ class Entry:
 
 
 class WrongResult(Exception):
-    """An emulated output was not what its own model says: the figures would be of something else."""
+    """C that does not build, or whose emulated output is not its own model's: figures would be of something else."""
 
 
 def measure_own(workload: Workload, kind: Kind, targets: tuple[str, ...], effort: Effort) -> Entry:

@@ -14,14 +14,14 @@ from itertools import groupby
 from multiprocessing import get_context
 from typing import Literal
 
-from benchmarks.own import KINDS, Effort, Entry, Kind, measure_own
+from benchmarks.own import KINDS, Effort, Entry, Kind, WrongResult, measure_own
 from benchmarks.peers import PEERS, PeerEntry, measure_generated, measure_peer, task_of
 from benchmarks.results import Results, Setting
 from benchmarks.speed import Speed, measure_speed
 from benchmarks.workloads import Workload
 from fuzzyspec.cost import TARGETS, find_compiler
 from fuzzyspec.diagnostics.refusal import MissingTool
-from fuzzyspec.native import find_toolchain
+from fuzzyspec.native import BuildError, find_toolchain
 
 Told = Callable[[str], None]
 
@@ -88,7 +88,10 @@ def _mapped(jobs: list[Job], processes: int) -> Iterator[tuple[Entry, ...]]:
 
 def _measured(job: Job) -> tuple[Entry, ...]:
     workloads, kind, effort = job
-    return tuple(measure_own(workload, kind, effort.targets, effort) for workload in workloads)
+    try:
+        return tuple(measure_own(workload, kind, effort.targets, effort) for workload in workloads)
+    except BuildError as error:  # which does not pass from process to process
+        raise WrongResult(f"{workloads[0].file}, {kind}: {error}\n{error.output}") from error
 
 
 def _peers(plan: Plan, effort: Effort, told: Told) -> Iterator[PeerEntry]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from benchmarks import own
 from benchmarks.__main__ import main
 from benchmarks.page import _up, page
 from benchmarks.peers import PEERS, measure_generated, measure_peer, task_of
@@ -65,6 +67,23 @@ def test_page_and_plot_are_the_same_for_the_same_results(short: Path, tmp_path: 
         assert (tmp_path / name).read_bytes() == (short / name).read_bytes()
     assert page(results).encode() == (short / "benchmarks.md").read_bytes()
     assert drawn(results) == (short / "benchmarks.svg").read_bytes()
+
+
+def test_no_page_comes_of_c_that_computes_something_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A table's C with one entry changed is not its model's: status 1, the case named, nothing written."""
+    compiler_for("cortex-m0plus")
+    right = own.lookup_c
+
+    def wrong(*arguments: Any) -> str:
+        return right(*arguments).replace("return status;", "out->ddc ^= 1U;\n    return status;")
+
+    monkeypatch.setattr(own, "lookup_c", wrong)
+    words = ["--short", "--no-peers", "--jobs", "1", "--target", "cortex-m0plus", "--workload", "W2"]
+    assert main([*words, "--docs", str(tmp_path / "docs")]) == 1
+    assert "output ddc" in capsys.readouterr().err
+    assert not (tmp_path / "docs").exists()
 
 
 def test_bounds_are_never_rounded_down() -> None:
