@@ -82,7 +82,7 @@ def kernel_of(node: Quotient) -> Kernel:
             return Kernel(node.by, 1)
         case "hardware":
             if hi < 2**24:
-                return Kernel("hardware", 8, below=node.hi < 2**16)
+                return Kernel("hardware", 16 if hi < 2**16 else 8, below=node.hi < 2**16)
             return Kernel("hardware", 4)
         case "newton" | "reciprocal":
             return _reciprocal(node.by, max((hi - 1).bit_length(), TOP_BITS + 1), lo.bit_length())

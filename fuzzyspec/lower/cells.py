@@ -21,6 +21,7 @@ from fuzzyspec.lower.levels import Means
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.scope import Scope
+from fuzzyspec.lower.strategy import Precision
 from fuzzyspec.lower.unions import Union
 from fuzzyspec.model.controller import CellRules, Controller
 
@@ -76,10 +77,16 @@ class _Block:
 
 
 def fire_cells(
-    controller: Controller, cells: CellRules, degrees: list[Degrees], firing: Firing, division: Division, scope: Scope
+    controller: Controller,
+    cells: CellRules,
+    degrees: list[Degrees],
+    firing: Firing,
+    division: Division,
+    precision: Precision,
+    scope: Scope,
 ) -> Means:
     """Append the statements up to every output's sums to ``firing``; the rest of each output is returned."""
-    unions = [Union.of(output, firing.body, scope) for output in controller.outputs]
+    unions = [Union.of(output, precision, firing.body, scope) for output in controller.outputs]
 
     def blocks(lows: tuple[int, ...]) -> list[Stmt]:
         """The code for the block of these lower terms, or the choice among those below."""

@@ -28,11 +28,12 @@ from fuzzyspec.fixed.program import (
     Table,
 )
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
-from fuzzyspec.lower.even import AREA_BITS, EvenOutput, evaluate_even, even_output
+from fuzzyspec.lower.even import EvenOutput, evaluate_even, even_output
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.mean import Tail, mean_to_raw
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.sets import Floats, Scale, closed_form, evaluate, scale_of
+from fuzzyspec.lower.strategy import Precision
 from fuzzyspec.model.controller import Output
 
 HALF = Fraction(1, 2)
@@ -76,14 +77,19 @@ class _Group:
 
 
 def centroid(
-    output: Output, levels: str, division: Division, scope: Scope, fires: bool = False
+    output: Output,
+    levels: str,
+    division: Division,
+    scope: Scope,
+    fires: bool = False,
+    precision: Precision = "full",
 ) -> tuple[list[Stmt], Expr, list[Table], CentroidNumbers]:
     """Statements, the output's raw, tables and numbers, from the array ``levels`` of clip heights (Q15, a slot a term).
 
     ``fires``: some term is always reached to 1/2 or more, which keeps the area from 0. Raises TooManySets.
     """
     forms = clipped_sets(output)
-    even = even_output(output)
+    even = even_output(output, precision)
     scale = scale_of(forms) if even is None else even.scale
     name = output.name
     positive = [f for f in forms if f.sign > 0]
@@ -179,8 +185,8 @@ def even_mean(
     ``fires``: some term is reached to 1/2 or more, so the area is at least the smallest term's there.
     """
     name, shift = output.name, even.shift
-    least = min(even.counts) * (3 << (AREA_BITS - 2)) if fires else 0
-    area = build.floored(build.capped(area, even.domain << AREA_BITS), least)
+    least = min(even.counts) * (3 << (even.bits.area - 2)) if fires else 0
+    area = build.floored(build.capped(area, even.domain << even.bits.area), least)
     a_value = build.shift_right(build.mul(area, Const(even.span)), shift)
     m_value = build.shift_right(moment, shift)
     a, m = build.local(scope.name(f"{name}_a"), a_value), build.local(scope.name(f"{name}_m"), m_value)

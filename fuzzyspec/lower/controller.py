@@ -41,7 +41,7 @@ from fuzzyspec.lower.multilinear import applies as multilinear_applies
 from fuzzyspec.lower.saturation import saturated
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.slide import slide, slides
-from fuzzyspec.lower.strategy import Rules, Strategy
+from fuzzyspec.lower.strategy import Precision, Rules, Strategy
 from fuzzyspec.model.controller import Controller, Input, Output
 from fuzzyspec.model.variable import Variable
 
@@ -69,7 +69,9 @@ def port_of(variable: Variable) -> Port:
     return Port(variable.name, raw.ctype, raw.lo, raw.hi, variable)
 
 
-def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Function, ControllerNumbers]:
+def lower_controller(
+    controller: Controller, strategy: Strategy, precision: Precision = "full"
+) -> tuple[Function, ControllerNumbers]:
     """Lower by a strategy that applies (``lower.choice``). Raises RangeError and TooManySets where the integers do not
     go into 32 bits."""
     scope = Scope()
@@ -77,7 +79,7 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     status: list[StatusBit] = []
     degrees = []
     saturations: list[Stmt] = []
-    evens = levels_apply(controller) if strategy.rules == "levels" else None
+    evens = levels_apply(controller, precision) if strategy.rules == "levels" else None
     linear = None
     if multilinear_applies(controller) and controller.cells is not None:
         linear = interpolate(controller, controller.cells, strategy.interpolation, scope)
@@ -96,7 +98,7 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
     means: Means | list[tuple[list[Stmt], Expr, MultilinearNumbers]] | None = None
     if strategy.rules == "cells" and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
-        means = fire_cells(controller, controller.cells, degrees, firing, strategy.division, scope)
+        means = fire_cells(controller, controller.cells, degrees, firing, strategy.division, precision, scope)
     elif evens is not None and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
         means = fire_levels(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
@@ -119,7 +121,7 @@ def lower_controller(controller: Controller, strategy: Strategy) -> tuple[Functi
             numbers.append(mean_numbers)
         elif controller.infer.defuzzify == "centroid":
             steps, raw, more, found_numbers = centroid(
-                output, firing.levels[o], strategy.division, scope, _reaches_half(controller, o)
+                output, firing.levels[o], strategy.division, scope, _reaches_half(controller, o), precision
             )
             tables += more
             numbers.append(found_numbers)

@@ -9,6 +9,7 @@ are all that any program for such an output computes, and every such program add
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -21,20 +22,36 @@ from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.sets import Evaluated, Floats, Scale, all_heights, closed_form
+from fuzzyspec.lower.strategy import Precision
 from fuzzyspec.model.controller import Output
 
 MAX_TERMS = 8
 """Sets of terms are bits of a byte."""
-AREA_BITS = 22
-"""A half triangle's area of 1/2 spacing is ``2**22``; its moment's unit is that times half a spacing."""
+
+
+@dataclass(frozen=True)
+class Bits:
+    """A half triangle's area of 1/2 spacing is ``2**area``, its moment's unit that times half a spacing.
+
+    Areas times the range keep ``divisor`` bits: 24, so that two hardware divisions make a quotient, or 16: one does.
+    """
+
+    area: int
+    divisor: int
+
+    @property
+    def height_shift(self) -> int:
+        return self.area - 14
+
+    @property
+    def moment_bias(self) -> int:
+        """Keeps a sum of moments positive: an end's cube may be subtracted before the rest of its moment comes."""
+        return 1 << (self.area + 1)
+
+
+BITS: Mapping[Precision, Bits] = {"full": Bits(22, 24), "short": Bits(14, 16)}
 MAX_SPAN = 20
 """Half spacings in a range, and what is integrated over: keeps sums of moments below 2**32."""
-SQUARE_SHIFT = 30 - AREA_BITS
-HEIGHT_SHIFT = AREA_BITS - 14
-DIVISOR_BITS = 24
-"""Areas times the range keep these, so that two hardware divisions make a quotient."""
-MOMENT_BIAS = 2 ** (AREA_BITS + 1)
-"""Keeps a sum of moments positive on its way: an end's cube may be subtracted before the rest of its moment comes."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +72,7 @@ class EvenOutput:
     domain: int
     half: Fraction
     unit: int
+    bits: Bits
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -68,15 +86,15 @@ class EvenOutput:
     @property
     def scale(self) -> Scale:
         """Integer units of a relative area."""
-        return Scale(2**AREA_BITS / (self.half * self.unit), self.span, True)
+        return Scale(2**self.bits.area / (self.half * self.unit), self.span, True)
 
     @property
     def shift(self) -> int:
         """What area times span, and moment, are shortened by before they are divided."""
-        return max(0, (self.domain * self.span << AREA_BITS).bit_length() - DIVISOR_BITS)
+        return max(0, (self.domain * self.span << self.bits.area).bit_length() - self.bits.divisor)
 
 
-def even_output(output: Output) -> EvenOutput | None:
+def even_output(output: Output, precision: Precision = "full") -> EvenOutput | None:
     """The output's shape, or None where it is not that regular. Raises TooManySets."""
     if not 2 <= len(output.terms) <= MAX_TERMS:
         return None
@@ -118,43 +136,47 @@ def even_output(output: Output) -> EvenOutput | None:
         int(domain) // unit,
         1 / span,
         unit,
+        BITS[precision],
     )
 
 
-def square(height: Local, name: str, scope: Scope) -> Define:
-    """``floor(h**2 / 2**8)``: in the area's unit the square of the clip height."""
-    value = build.shift_right(build.mul(height, height), SQUARE_SHIFT)
+def square(height: Local, bits: Bits, name: str, scope: Scope) -> Define:
+    """``c**2`` in the area's unit, rounded down: ``h**2 / 2**8`` at full precision."""
+    value = build.shift_right(build.mul(height, height), 30 - bits.area)
     return Define(build.local(scope.name(f"{name}_square"), value, ctype="uint32"), value, True)
 
 
-def cube(height: Local, squared: Local) -> Expr:
-    """``c**3 / 6`` in the moment's unit, from h and its square: 43691/1024 is 2**8 / 6."""
-    rough = build.shift_right(build.mul(build.shift_right(squared, 6), height), 15)
-    return build.shift_right(build.mul(rough, Const(43691)), 10)
+def cube(height: Local, squared: Local, bits: Bits) -> Expr:
+    """``c**3 / 6`` in the moment's unit, from h and its square: 43691 / 2**10 is 2**8 / 6."""
+    kept = min(bits.area, 16)
+    rough = build.shift_right(build.mul(build.shift_right(squared, bits.area - kept), height), 15)
+    return build.shift_right(build.mul(rough, Const(43691)), 32 - max(bits.area, 16))
 
 
 def evaluate_even(form: ClippedSet, even: EvenOutput, height: Local, scope: Scope, name: str) -> Evaluated:
     """A half triangle (and its moment, where it is an end's) or an overlap at a height; proved at every height."""
     area_error, moment_error = _errors(form, even)
-    steps, area, moment = _draft(form, height, scope, name)
+    steps, area, moment = _draft(form, even.bits, height, scope, name)
     return Evaluated(steps, area, moment, area_error, moment_error, (len(form.members), moment is not None))
 
 
 @lru_cache(maxsize=256)
 def _errors(form: ClippedSet, even: EvenOutput) -> tuple[Floats, Floats]:
     height = Local("h", "uint16", 0, DEGREE_ONE)
-    draft, area, moment = _draft(form, height, Scope(), "set")
+    draft, area, moment = _draft(form, even.bits, height, Scope(), "set")
     areas, moments = all_heights(draft, area, moment, height)
     count = even.halves[form.members[0]] if len(form.members) == 1 else 1
     exact_area, exact_moment = closed_form(form)
-    half, slack = float(even.half / 2**AREA_BITS), 2.0**-44  # float64: under 2**8 roundings of values below 1
+    half, slack = float(even.half / 2**even.bits.area), 2.0**-44  # float64: under 2**8 roundings of values below 1
     area_error = np.abs(areas * half - exact_area / count) + slack
     if moment is None:
         return area_error, np.zeros_like(exact_area)
     return area_error, np.abs(moments * half / even.span - exact_moment) + slack
 
 
-def _draft(form: ClippedSet, height: Local, scope: Scope, name: str) -> tuple[list[Stmt], Local, Local | None]:
+def _draft(
+    form: ClippedSet, bits: Bits, height: Local, scope: Scope, name: str
+) -> tuple[list[Stmt], Local, Local | None]:
     body: list[Stmt] = []
     pair = len(form.members) == 2
     if pair:
@@ -162,18 +184,18 @@ def _draft(form: ClippedSet, height: Local, scope: Scope, name: str) -> tuple[li
         clipped = Local(scope.name(f"{name}_c"), "uint16", 0, top)
         body.append(Define(clipped, build.least(height, Const(top)), True))
         height = clipped
-    squared = square(height, name, scope)
+    squared = square(height, bits, name, scope)
     body.append(squared)
     times = 2 if pair else 1
     less = build.mul(squared.local, Const(times))
-    value = build.sub_guarded(build.shift_left(height, HEIGHT_SHIFT), less, 2**AREA_BITS // times)
+    value = build.sub_guarded(build.shift_left(height, bits.height_shift), less, 2**bits.area // times)
     area = build.local(scope.name(f"{name}_part"), value, ctype="uint32")
     body.append(Define(area, value, True))
     if pair or not form.moment_sign:
         return body, area, None
-    cubed = cube(height, squared.local)
+    cubed = cube(height, squared.local, bits)
     # The area less another square, more the cube: never negative, for c >= c**2 >= c**2 - c**3 / 3.
-    turned = build.sub_guarded(build.add(area, cubed), squared.local, (2**16 * 43691) >> 10)
+    turned = build.sub_guarded(build.add(area, cubed), squared.local, cubed.hi)
     moment = build.local(scope.name(f"{name}_turn"), turned, ctype="uint32")
     body.append(Define(moment, turned, True))
     return body, area, moment

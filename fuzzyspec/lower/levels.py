@@ -30,8 +30,6 @@ from fuzzyspec.fixed.program import (
 )
 from fuzzyspec.lower.centroid import CentroidNumbers, even_mean
 from fuzzyspec.lower.even import (
-    HEIGHT_SHIFT,
-    MOMENT_BIAS,
     EvenOutput,
     cube,
     even_output,
@@ -43,19 +41,20 @@ from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.minors import Group, Minors
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.scope import Scope
+from fuzzyspec.lower.strategy import Precision
 from fuzzyspec.model.controller import CellRules, Controller, Output
 
 BYTES: dict[int, CType] = {1: "uint8", 2: "uint16", 3: "uint32", 4: "uint32"}
 """The type of a cell's sets, a byte an output."""
 
 
-def applies(controller: Controller) -> list[EvenOutput] | None:
+def applies(controller: Controller, precision: Precision = "full") -> list[EvenOutput] | None:
     """The outputs' shapes where a controller can be computed this way, else None."""
     if not minors_apply(controller) or controller.infer.defuzzify != "centroid" or controller.cells is None:
         return None
     if not all(controller.always_fires) or any(-1 in c for c in controller.cells.consequents):
         return None
-    found = [even_output(output) for output in controller.outputs]
+    found = [even_output(output, precision) for output in controller.outputs]
     return [e for e in found if e is not None] if all(found) and len(found) in BYTES else None
 
 
@@ -117,7 +116,7 @@ def fire_levels(
     body += [s for t in sums for s in _started(t)]
     levels: list[tuple[Local, Local]] = []
     for i, (strength, seen) in enumerate(reached):
-        squared = square(strength, "level", scope)
+        squared = square(strength, evens[0].bits, "level", scope)
         body.append(squared)
         fresh: Local = seen
         if i:
@@ -153,7 +152,7 @@ def _started(t: _Sums) -> list[Stmt]:
 
 
 def _bias(even: EvenOutput) -> int:
-    return MOMENT_BIAS if any(even.ends) else 0
+    return even.bits.moment_bias if any(even.ends) else 0
 
 
 def _factors(even: EvenOutput, terms: int) -> tuple[int, int, int, int]:
@@ -172,7 +171,7 @@ def _covered(
 ) -> list[Stmt]:
     """What the terms seen so far cover between the last level and this one: heights and their squares."""
     # Levels come in order, so both differences are never negative.
-    drop_value = build.shift_left(build.sub_guarded(before[0], now[0], DEGREE_ONE), HEIGHT_SHIFT)
+    drop_value = build.shift_left(build.sub_guarded(before[0], now[0], DEGREE_ONE), sums[0].even.bits.height_shift)
     drop = build.local(scope.name("drop"), drop_value, ctype="uint32")
     square_value = build.sub_guarded(before[1], now[1], before[1].hi)
     drop_square = build.local(scope.name("drop_square"), square_value, ctype="uint32")
@@ -207,7 +206,7 @@ def _ends(sums: list[_Sums], fresh: Local, strength: Local, squared: Local, scop
     bits = {(t.output.name, k): 1 << (8 * t.place + k) for t in sums for k, e in enumerate(t.even.ends) if e}
     if not bits:
         return []
-    value = cube(strength, squared)
+    value = cube(strength, squared, sums[0].even.bits)
     cubed = build.local(scope.name("level_cube"), value, ctype="uint32")
     steps: list[Stmt] = [Define(cubed, value, True)]
     for t in sums:

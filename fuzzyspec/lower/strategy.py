@@ -18,6 +18,9 @@ every block of cells between neighbouring peaks."""
 Interpolation = Literal["loops", "written", "packed"]
 """Product and singletons over strong partitions: interpolations in loops over the corners, written out, or written out
 with two outputs in the halves of a word."""
+Precision = Literal["full", "short"]
+"""Bits of areas and divisors: so many that they never dominate an error, or so few that narrow machines like them.
+Unlike strategies, another precision is another program, with its own integers and certificate."""
 Widths = Literal["words", "narrow"]
 """Locals of 32 bits, as registers are, or of the fewest bits that hold their values."""
 

@@ -11,10 +11,11 @@ from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Assign, Branch, Const, Define, Division, Expr, Local, Stmt
 from fuzzyspec.lower.centroid import CentroidNumbers, any_mean, even_mean, weight_of
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
-from fuzzyspec.lower.even import AREA_BITS, HEIGHT_SHIFT, EvenOutput, cube, even_output, square
+from fuzzyspec.lower.even import Bits, EvenOutput, cube, even_output, square
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.sets import evaluate, scale_of
+from fuzzyspec.lower.strategy import Precision
 from fuzzyspec.model.controller import Output
 
 
@@ -28,9 +29,9 @@ class Union:
     sums: list[Local]
 
     @staticmethod
-    def of(output: Output, body: list[Stmt], scope: Scope) -> Union:
+    def of(output: Output, precision: Precision, body: list[Stmt], scope: Scope) -> Union:
         """Append the statements that declare the sums. Raises TooManySets."""
-        even, forms = even_output(output), clipped_sets(output)
+        even, forms = even_output(output, precision), clipped_sets(output)
         names = ["area", "moment"]
         if even is None and any(f.sign < 0 for f in forms):
             names += ["overlap", "moment_off"]
@@ -39,7 +40,7 @@ class Union:
         hi = build.UINT32_MAX
         sums = [Local(scope.name(f"{output.name}_{n}"), "uint32", 0, hi) for n in names]
         if even is not None:
-            sums[0] = build.local(sums[0].name, Const(0), ctype="uint32", hi=even.domain << AREA_BITS)
+            sums[0] = build.local(sums[0].name, Const(0), ctype="uint32", hi=even.domain << even.bits.area)
         body += [Define(s, Const(0), False) for s in sums]
         return Union(output, even, forms, sums)
 
@@ -75,6 +76,7 @@ Terms = dict[Expr, int]
 class _Linear:
     """Area and moment of a union as sums of its terms' heights, squares and cubes."""
 
+    bits: Bits
     heights: Terms = field(default_factory=dict)
     rest: Terms = field(default_factory=dict)
 
@@ -89,7 +91,7 @@ class _Linear:
         """What is added first, then what is subtracted: the sum is an area or a moment, so it is not negative."""
         parts: list[Expr] = []
         for sign in (1, -1):
-            part = build.shift_left(_times(self.heights, sign), HEIGHT_SHIFT)
+            part = build.shift_left(_times(self.heights, sign), self.bits.height_shift)
             parts.append(build.add(part, _times(self.rest, sign)))
         return build.sub_guarded(parts[0], parts[1], hi)
 
@@ -108,22 +110,23 @@ MOST_BRANCHES = 2
 
 def _even(output: Output, even: EvenOutput, heights: dict[int, Local], sums: list[Local], scope: Scope) -> list[Stmt]:
     body: list[Stmt] = []
+    bits = even.bits
     pairs = [k for k in even.met if k in heights and k + 1 in heights]
     parts: dict[int, Local] = {}
     squares: dict[int, Local] = {}
     cubes: dict[int, Local] = {}
     for k, height in heights.items():
         name = f"{output.name}_{output.terms[k].name}"
-        squared = square(height, name, scope)
+        squared = square(height, bits, name, scope)
         body.append(squared)
         squares[k] = squared.local
         if not even.ends[k] and k not in pairs and k - 1 not in pairs:
             # By itself its area is one atom.
-            value = build.sub_guarded(build.shift_left(height, HEIGHT_SHIFT), squared.local, 2**AREA_BITS)
+            value = build.sub_guarded(build.shift_left(height, bits.height_shift), squared.local, 2**bits.area)
             parts[k] = build.local(scope.name(f"{name}_part"), value, ctype="uint32")
             body.append(Define(parts[k], value, True))
         if even.ends[k]:
-            value = cube(height, squared.local)
+            value = cube(height, squared.local, bits)
             cubes[k] = build.local(scope.name(f"{name}_cube"), value, ctype="uint32")
             body.append(Define(cubes[k], value, True))
 
@@ -136,11 +139,11 @@ def _even(output: Output, even: EvenOutput, heights: dict[int, Local], sums: lis
                 # Only one term can exceed 1/2: the one that the larger degrees' cell names.
                 value = build.capped(build.least(heights[k], heights[k + 1]), DEGREE_ONE // 2)
                 least = build.local(scope.name(name), value)
-                squared = square(least, name, scope)
+                squared = square(least, bits, name, scope)
                 return [Define(least, value, True), squared, *settled({**lower, k: (least, squared.local)})]
             sides = [settled({**lower, k: (heights[j], squares[j])}) for j in (k, k + 1)]
             return [Branch(build.compare("<", heights[k], heights[k + 1]), tuple(sides[0]), tuple(sides[1]))]
-        area, moment = _Linear(), _Linear()
+        area, moment = _Linear(bits), _Linear(bits)
         for k, height in heights.items():
             if k in parts:
                 area.rest[parts[k]] = even.counts[k]
