@@ -139,6 +139,8 @@ def stored(expr: Expr, ctype: CType, names: Spelling) -> str:
 def converted(value: Text, ctype: CType) -> str:
     """Cast unless the type widens the value's own."""
     if signed(value.ctype) == signed(ctype):
+        if value.literal and value.promoted:
+            return (value if width(ctype) == 32 else cast(value, ctype)).text
         return (_settled(value) if width(value.ctype) <= width(ctype) else cast(value, ctype)).text
     return cast(value if width(ctype) <= width(value.ctype) else _settled(value), ctype).text
 
@@ -281,7 +283,10 @@ def _either(test: Test, then: Expr, other: Expr, whole: Expr, names: Spelling) -
     while not holds(of_width(signed(ctype), bits), whole.lo, whole.hi) and bits < 32:
         bits *= 2
     text = f"{_wrapped(_test(test, names))} ? {_wrapped(left)} : {_wrapped(right)}"
-    return Text(text, Level.CONDITIONAL, of_width(signed(ctype), bits))
+    # Of two constants gcc makes a comparison, which is an int.
+    fixed = left.literal and right.literal
+    found = of_width(signed(ctype), bits)
+    return Text(text, Level.CONDITIONAL, found, literal=fixed, promoted=fixed, unsigned=fixed and not signed(ctype))
 
 
 def _call(function: str, left: Expr, right: Expr, names: Spelling) -> Text:
@@ -322,7 +327,7 @@ def _test(test: Test, names: Spelling) -> Text:
                 _ready(side, other, side.ctype if other.literal else other.ctype)
                 for side, other in ((left, right), (right, left))
             )
-            operator_right = right.text if right.literal else _wrapped(right)
+            operator_right = right.text if right.literal and right.level == Level.UNARY else _wrapped(right)
             return Text(f"{_wrapped(left)} {test.op} {operator_right}", Level.COMPARE, "uint8")
         case AllOf():
             return _joined("&&", Level.AND, test.operands, names)

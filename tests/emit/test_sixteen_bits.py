@@ -13,7 +13,8 @@ from fuzzyspec import load
 from fuzzyspec.cost.avr import measure_avr, simavr_is_here
 from fuzzyspec.cost.image import Image
 from fuzzyspec.cost.toolchains import TARGETS, find_compiler
-from fuzzyspec.fixed.program import Program
+from fuzzyspec.fixed import build
+from fuzzyspec.fixed.program import Const, Define, Function, Local, Port, Program, ReadPort, SetOutput
 from fuzzyspec.fixed.run import run
 from fuzzyspec.lower import Options
 from fuzzyspec.native import NativeModule
@@ -72,6 +73,32 @@ def test_what_is_compiled_for_avr_is_clean_and_equal_everywhere(path: Path, tmp_
     program = spec.lower(options).program
     with NativeModule(program, plan.files) as native:
         assert native.selftest() == 0
+
+
+def test_a_choice_of_constants_goes_where_it_is_wanted(tmp_path: Path) -> None:
+    """gcc makes a comparison of ``x < 3 ? 0 : 1``: stored in 8 bits, compared and added, it says no word."""
+    x = Local("x", "uint8", 0, 255)
+    chosen = build.select(build.compare("<", x, Const(3)), Const(0), Const(1))
+    bit = build.local("bit", chosen)
+    body = (
+        Define(x, ReadPort("x", "uint8", 0, 255), True),
+        Define(bit, chosen, True),
+        SetOutput("sum", build.add(x, chosen)),
+        SetOutput("bit", build.add(bit, build.select(build.compare("<", x, chosen), Const(2), Const(5)))),
+    )
+    ports = Port("sum", "uint16", 0, 256, None), Port("bit", "uint8", 0, 6, None)
+    inputs = (Port("x", "uint8", 0, 255, None),)
+    function = Function("choose", "controller", inputs, ports, (), (), (), (), (), body)
+    for program in (Program("p", (function,)), Program("p", (function,), narrow=True)):
+        for command in BUILDS.values():
+            if shutil.which(command[0]) is not None and "-m32" not in command:
+                compiles(plan_of(program), command, tmp_path)
+        given = {"x": np.arange(256)}
+        wanted = run(program, "choose", given)
+        with NativeModule(program, plan_of(program).files) as native:
+            got = native.run("choose", given)
+        for name, column in wanted.outputs.items():
+            np.testing.assert_array_equal(got.outputs[name], column, err_msg=name)
 
 
 def test_names_of_registers_do_not_meet_their_macros(tmp_path: Path) -> None:
