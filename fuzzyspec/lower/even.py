@@ -188,14 +188,14 @@ def _draft(
     body.append(squared)
     times = 2 if pair else 1
     less = build.mul(squared.local, Const(times))
-    value = build.sub_guarded(build.shift_left(height, bits.height_shift), less, 2**bits.area // times)
+    value = build.sub_guarded(build.shift_left(height, bits.height_shift), less, 2**bits.area // times + times - 1)
     area = build.local(scope.name(f"{name}_part"), value, ctype="uint32")
     body.append(Define(area, value, True))
     if pair or not form.moment_sign:
         return body, area, None
     cubed = cube(height, squared.local, bits)
     # The area less another square, more the cube: never negative, for c >= c**2 >= c**2 - c**3 / 3.
-    turned = build.sub_guarded(build.add(area, cubed), squared.local, cubed.hi)
+    turned = build.sub_guarded(build.add(area, cubed), squared.local, cubed.hi + 2)
     moment = build.local(scope.name(f"{name}_turn"), turned, ctype="uint32")
     body.append(Define(moment, turned, True))
     return body, area, moment

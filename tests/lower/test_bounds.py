@@ -16,7 +16,7 @@ from fuzzyspec.fixed.run import initial_state
 from fuzzyspec.lower.bounds import Effort, bound_controller
 from fuzzyspec.lower.controller import lower_controller
 from fuzzyspec.lower.minors import applies as minors_apply
-from fuzzyspec.lower.strategy import Strategy
+from fuzzyspec.lower.strategy import Precision, Strategy
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.term import PiecewiseLinear
 from tests.random_specs.generator import spec
@@ -127,12 +127,17 @@ def raws_of(controller: Controller, dice: np.random.Generator, n: int) -> dict[s
     return found
 
 
-@pytest.mark.parametrize("coarse", [0, 1 << 14, 100], ids=["exact inputs", "fine errors", "coarse errors"])
+@pytest.mark.parametrize(
+    ("coarse", "precision"),
+    [(0, "full"), (1 << 14, "full"), (100, "full"), (0, "short")],
+    ids=["exact inputs", "fine errors", "coarse errors", "few bits"],
+)
 @pytest.mark.parametrize("name", [name for name, _ in CONTROLLERS])
-def test_bounds_hold_for_inputs_that_are_off(name: str, coarse: int) -> None:
+def test_bounds_hold_for_inputs_that_are_off(name: str, coarse: int, precision: Precision) -> None:
     """Whatever the inputs really are, within their errors: the result is within the bound, decisions in their bands."""
     controller = dict(CONTROLLERS)[name]
-    function, numbers = lower_controller(controller, Strategy("minors" if minors_apply(controller) else "loops"))
+    strategy = Strategy("minors" if minors_apply(controller) else "loops")
+    function, numbers = lower_controller(controller, strategy, precision)
     errors = tuple(
         (i.variable.hi - i.variable.lo) / (coarse * (1 + k)) if coarse else F(0)
         for k, i in enumerate(controller.inputs)

@@ -13,6 +13,7 @@ from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.fixed.run import initial_state
 from fuzzyspec.lower.choice import strategies
 from fuzzyspec.lower.controller import lower_controller
+from fuzzyspec.lower.strategy import Precision
 from fuzzyspec.lower.widths import fit_widths
 from fuzzyspec.model.controller import Controller
 from tests.random_specs.generator import spec
@@ -20,13 +21,13 @@ from tests.random_specs.generator import spec
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def programs(controller: Controller) -> list[Function]:
+def programs(controller: Controller, precision: Precision = "full") -> list[Function]:
     """By every strategy that applies, loops first; all fitted to a narrow machine, the first also as it is lowered."""
-    first, *others = (lower_controller(controller, strategy)[0] for strategy in strategies(controller))
+    first, *others = (lower_controller(controller, strategy, precision)[0] for strategy in strategies(controller))
     return [first, *(fit_widths(function, "narrow") for function in (first, *others))]
 
 
-def same_integers(controller: Controller, cases: int) -> None:
+def same_integers(controller: Controller, cases: int, precision: Precision = "full") -> None:
     """Run every choice over raws of the whole C type, ends and ties included, and compare all that comes out."""
     random = np.random.default_rng(11)
     inputs = {}
@@ -37,7 +38,7 @@ def same_integers(controller: Controller, cases: int) -> None:
             random.random(cases) < 0.3, random.choice(middle, cases), random.integers(raw.lo, raw.hi + 1, cases)
         )
     results = []
-    for function in programs(controller):
+    for function in programs(controller, precision):
         program = Program("choice", (function,))
         state = {k: np.full(cases, v) for k, v in initial_state(program, function).items()}
         results.append(run(program, controller.name, inputs, state, record=True, checked=True))
@@ -56,6 +57,7 @@ def test_every_choice_computes_the_same_integers(path: Path) -> None:
     """Loops, minors and masks give equal outputs, status and decisions on the examples and the workloads."""
     for controller in load(path).module.controllers:
         same_integers(controller, 4000)
+        same_integers(controller, 2000, "short")
 
 
 @pytest.mark.parametrize("seed", range(700, 712))
