@@ -1,7 +1,8 @@
 """Widths: the C types of locals, and shapes of arithmetic that a narrow machine computes cheaply.
 
 Both leave every integer what it is. A machine of 32 bits keeps its locals in whole registers: a narrower one would be
-cut to its width after every operation. A machine of 8 bits takes the narrowest type that holds a value.
+cut to its width after every operation; so does an array that is no longer than a pair of degrees. A machine of 8 bits
+takes the narrowest type that holds a value.
 """
 
 from __future__ import annotations
@@ -9,11 +10,27 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fuzzyspec.fixed import build
-from fuzzyspec.fixed.program import CType, Expr, Function, Local
+from fuzzyspec.fixed.program import (
+    AssignElement,
+    Branch,
+    CType,
+    DefineArray,
+    Each,
+    Element,
+    Expr,
+    Function,
+    Local,
+    Loop,
+    Stmt,
+)
+from fuzzyspec.fixed.prune import statements
 from fuzzyspec.fixed.rewrite import declared, rewritten_body
 from fuzzyspec.lower.factors import with_short_factors
 from fuzzyspec.lower.shapes import cheapest, plainest
 from fuzzyspec.lower.strategy import Widths
+
+PAIR = 2
+"""Longer arrays cost more in room on the stack, and in the steps to it, than their cuts do."""
 
 
 def fit_widths(function: Function, widths: Widths) -> Function:
@@ -27,9 +44,30 @@ def fit_widths(function: Function, widths: Widths) -> Function:
     def change(expr: Expr) -> Expr:
         if isinstance(expr, Local):
             return retype(expr)
+        if isinstance(expr, Element) and not expr.table and expr.array in pairs:
+            return replace(expr, ctype="uint32")
         return cheapest(expr) if widths == "narrow" else plainest(expr)
 
-    return replace(function, body=rewritten_body(body, change, retype))
+    arrays = [s for s in statements(body) if isinstance(s, DefineArray)]
+    small = (a.name for a in arrays if a.size <= PAIR and not a.ctype.startswith("int"))
+    pairs = frozenset(small) if widths == "words" else frozenset[str]()
+    return replace(function, body=_with_words(rewritten_body(body, change, retype), pairs))
+
+
+def _with_words(body: tuple[Stmt, ...], pairs: frozenset[str]) -> tuple[Stmt, ...]:
+    """The statements with these arrays as words."""
+    out: list[Stmt] = []
+    for s in body:
+        match s:
+            case DefineArray(name) | AssignElement(name) if name in pairs:
+                out.append(replace(s, ctype="uint32"))
+            case Loop() | Each():
+                out.append(replace(s, body=_with_words(s.body, pairs)))
+            case Branch():
+                out.append(replace(s, then=_with_words(s.then, pairs), other=_with_words(s.other, pairs)))
+            case _:
+                out.append(s)
+    return tuple(out)
 
 
 def _type(lo: int, hi: int, widths: Widths) -> CType:

@@ -114,20 +114,20 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
         status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_FOOD);
     }
 
-    uint16_t food_mu[2];
+    uint32_t food_mu[2];
     for (uint32_t k_2 = 0U; k_2 < 2U; ++k_2) {
         food_mu[k_2] = 0U;
     }
     if (food <= 4095U) {
         food_mu[0U] = 32768U;
     } else if (food <= 12287U) {
-        food_mu[0U] = (uint16_t)(32768U - ((food - 4096U) * 4U));
+        food_mu[0U] = 32768U - ((food - 4096U) * 4U);
     } else {
         /* Nothing to do. */
     }
     if (food > 28671U) {
         if (food <= 36863U) {
-            food_mu[1U] = (uint16_t)((food - 28672U) * 4U);
+            food_mu[1U] = (food - 28672U) * 4U;
         } else if (food <= 40959U) {
             food_mu[1U] = 32768U;
         } else {

@@ -8,7 +8,8 @@ import pytest
 
 from fuzzyspec import load
 from fuzzyspec.fixed.build import LIMITS
-from fuzzyspec.fixed.program import Define, Local, Loop, Stmt
+from fuzzyspec.fixed.program import AssignElement, Define, DefineArray, Element, Local, Loop, Stmt
+from fuzzyspec.fixed.prune import expressions, nodes, statements
 from fuzzyspec.lower.module import Options, lower
 from fuzzyspec.lower.strategy import Target
 
@@ -42,3 +43,17 @@ def test_the_narrowest_types_on_a_machine_of_8_bits() -> None:
         low, high = LIMITS[local.ctype]
         assert low <= local.lo and local.hi <= high
     assert {"uint8", "int8", "uint16", "uint32"} <= {local.ctype for local in found}
+
+
+@pytest.mark.parametrize(("target", "ctype"), [("cortex-m0plus", "uint32"), ("avr", "uint16")])
+def test_pairs_of_degrees_are_words_where_registers_are(target: Target, ctype: str) -> None:
+    """The arrays of two degrees of W3's loops are words on 32 bits, wherever they are declared, set or read."""
+    (function,) = lower(
+        load(ROOT / "benchmarks" / "w3.fz").module, Options(optimize="size", target=target)
+    ).program.functions
+    every = list(statements(function.body))
+    pairs = {s.name: s.ctype for s in every if isinstance(s, DefineArray) and s.size == 2}
+    assert set(pairs.values()) == {ctype}
+    assert {s.ctype for s in every if isinstance(s, AssignElement) and s.array in pairs} == {ctype}
+    read = [n for e in expressions(function.body) for n in nodes(e) if isinstance(n, Element) and n.array in pairs]
+    assert {n.ctype for n in read} == {ctype}
