@@ -10,15 +10,17 @@ from typing import Literal, assert_never
 from fuzzyspec.cost.measure import Record
 from fuzzyspec.model.budget import Budget, Machine, Quantity, amount, words
 
-Basis = Literal["of the build", "largest seen"]
-"""Where a figure comes from: a size is the build's, what a call takes the largest over the inputs that were tried."""
+Basis = Literal["of the build", "derived", "largest seen"]
+"""Where a figure comes from: a size is the build's; what a call takes is the worst case derived from the code, which no
+call exceeds, or where none could be derived the largest over the inputs that were tried."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """One limit on one target, held against the build with ``option``.
 
-    ``measured`` and ``met`` are None where nothing measured it; ``why`` then says what is missing.
+    ``measured`` and ``met`` are None where nothing measured it; ``why`` then says what is missing. ``seen`` is
+    the largest over the inputs that were tried, for what varies with them.
     """
 
     function: str
@@ -27,6 +29,7 @@ class Verdict:
     option: str
     measured: int | None
     basis: Basis
+    seen: int | None
     met: bool | None
     why: str
     instead: str
@@ -64,9 +67,10 @@ def _verdict(
         met = None if measured is None else measured <= limit.limit
         why = "" if met is not None else "the emulator was not found, or could not run it"
         instead = "" if met is not False else next((o for o, r in builds.items() if _meets(r, limit)), "")
-        yield Verdict(function, limit, target, option, measured, basis, met, why, instead)
+        seen = _seen(builds[option], limit.quantity)
+        yield Verdict(function, limit, target, option, measured, basis, seen, met, why, instead)
     elif target in missing:
-        yield Verdict(function, limit, target, option, None, "of the build", None, missing[target], "")
+        yield Verdict(function, limit, target, option, None, "of the build", None, None, missing[target], "")
 
 
 def _meets(record: Record, limit: Budget) -> bool:
@@ -84,11 +88,29 @@ def figure(record: Record, quantity: Quantity) -> tuple[int | None, Basis]:
         case "stack":
             return record.stack, "largest seen"
         case "instructions":
-            return record.instructions_max, "largest seen"
+            return _longest(record.instructions_worst, record.instructions_max)
         case "cycles":
-            return record.cycles_max, "largest seen"
+            return _longest(record.cycles_worst, record.cycles_max)
         case _:
             assert_never(quantity)
+
+
+def _seen(record: Record, quantity: Quantity) -> int | None:
+    match quantity:
+        case "flash" | "ram":
+            return None
+        case "stack":
+            return record.stack
+        case "instructions":
+            return record.instructions_max
+        case "cycles":
+            return record.cycles_max
+        case _:
+            assert_never(quantity)
+
+
+def _longest(worst: int | None, seen: int | None) -> tuple[int | None, Basis]:
+    return (seen, "largest seen") if worst is None else (worst, "derived")
 
 
 def as_data(verdict: Verdict) -> dict[str, object]:
@@ -101,6 +123,7 @@ def as_data(verdict: Verdict) -> dict[str, object]:
         "option": verdict.option,
         "measured": verdict.measured,
         "basis": verdict.basis,
+        "largest_seen": verdict.seen,
         "met": verdict.met,
         "why": verdict.why,
     }
@@ -126,9 +149,11 @@ def _outcome(verdict: Verdict) -> tuple[str, str]:
     if verdict.measured is None:
         return "-", f"not measured: {verdict.why}"
     measured = amount(verdict.limit.quantity, verdict.measured)
-    seen = f" ({verdict.basis})" if verdict.basis != "of the build" else ""
+    basis = f" ({verdict.basis})" if verdict.basis != "of the build" else ""
     if verdict.met:
-        return measured, f"met{seen}"
+        return measured, f"met{basis}"
+    if verdict.basis == "derived" and verdict.seen is not None:
+        basis = f" (derived; {amount(verdict.limit.quantity, verdict.seen)} is the largest seen)"
     over = verdict.measured - verdict.limit.limit
     instead = f"; met by -{verdict.instead}" if verdict.instead else ""
-    return measured, f"MISSED by {amount(verdict.limit.quantity, over)}{seen}{instead}"
+    return measured, f"MISSED by {amount(verdict.limit.quantity, over)}{basis}{instead}"
