@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from fuzzyspec import load
 from fuzzyspec.cost.avr import measure_avr, simavr_is_here
 from fuzzyspec.cost.image import Image
 from fuzzyspec.cost.toolchains import TARGETS, find_compiler
+from fuzzyspec.estimate.inputs import draw_cases
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Const, Define, Function, Local, Port, Program, ReadPort, SetOutput
 from fuzzyspec.fixed.run import run
@@ -20,6 +22,7 @@ from fuzzyspec.lower import Options
 from fuzzyspec.native import NativeModule
 from tests.emit.emit_random import scalar_program
 from tests.emit.test_emit_c import BUILDS, WIDTHS, cases, compiles, plan_of
+from tests.random_specs.generator import spec
 
 ROOT = Path(__file__).resolve().parents[2]
 SPECS = sorted((*ROOT.glob("examples/*.fz"), *ROOT.glob("benchmarks/*.fz")))
@@ -64,15 +67,34 @@ def test_random_programs_agree_where_int_has_16_bits(seed: int, widths: Callable
 @pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
 def test_what_is_compiled_for_avr_is_clean_and_equal_everywhere(path: Path, tmp_path: Path) -> None:
     """Narrow C has no warning from any compiler that is here, and computes on the host what the program says."""
-    spec, options = load(path), Options(target="avr", optimize="speed")
-    plan = spec.compile(options)
+    loaded, options = load(path), Options(target="avr", optimize="speed")
+    plan = loaded.compile(options)
     for name, command in BUILDS.items():
         if shutil.which(command[0]) is not None and "-m32" not in command:
             (tmp_path / name).mkdir()
             compiles(plan, command, tmp_path / name)
-    program = spec.lower(options).program
+    program = loaded.lower(options).program
     with NativeModule(program, plan.files) as native:
         assert native.selftest() == 0
+
+
+@pytest.mark.parametrize("seed", range(900, 904))
+def test_random_specs_for_avr_are_clean_and_equal(seed: int, tmp_path: Path) -> None:
+    """Controllers and systems of every kind, narrow: no compiler has a warning, and the host computes the program."""
+    path = tmp_path / "random.fz"
+    path.write_text(spec(seed))
+    options = Options(target="avr", optimize="speed")
+    program, plan = load(path).lower(options).program, load(path).compile(options)
+    for name in ("gcc", "clang", "avr-gcc"):
+        if shutil.which(BUILDS[name][0]) is not None:
+            compiles(plan, BUILDS[name], tmp_path)
+    with NativeModule(program, plan.files) as native:
+        for function in program.functions:
+            inputs, state = draw_cases(program, function, 300)
+            wanted, got = (runs(function.name, inputs, state) for runs in (partial(run, program), native.run))
+            for name, column in wanted.outputs.items():
+                np.testing.assert_array_equal(got.outputs[name], column, err_msg=name)
+            np.testing.assert_array_equal(got.status, wanted.status)
 
 
 def test_a_choice_of_constants_goes_where_it_is_wanted(tmp_path: Path) -> None:
