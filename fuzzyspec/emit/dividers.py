@@ -46,7 +46,6 @@ class Divider:
     domain: str
     bits: int
     digits: int
-    below: bool
     reciprocal: Reciprocal
 
 
@@ -60,7 +59,6 @@ def divider(kernel: Kernel, name: str) -> Divider:
         _domain(kernel),
         kernel.digit_bits,
         QUOTIENT_BITS // kernel.digit_bits,
-        kernel.below,
         _reciprocal(kernel),
     )
 

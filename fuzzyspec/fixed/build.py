@@ -288,12 +288,11 @@ def mul_high(left: Expr, right: Expr) -> Expr:
     return MulHigh(left, right, (left.lo * right.lo) >> 16, (left.hi * right.hi) >> 16)
 
 
-def quotient(num: Expr, den: Expr, division: Division = "loop", below: bool = False) -> Expr:
-    """The kernel ``floor(num * 2**16 / den)``, 65536 from ``num >= den`` on; ``below``: the caller proves that it never
-    is."""
+def quotient(num: Expr, den: Expr, division: Division = "loop") -> Expr:
+    """The kernel ``floor(num * 2**16 / den)``, 65536 from ``num >= den`` on."""
     if num.lo < 0 or den.lo < 0 or den.hi >= 2**31 or num.hi > UINT32_MAX:
         raise RangeError("the quotient's divisor must stay below 2**31")
-    return Quotient(num, den, offered(division, den.hi), hi=2**16 - 1 if below else 2**16)
+    return Quotient(num, den, offered(division, den.hi))
 
 
 def compare(op: CompareOp, left: Expr, right: Expr) -> Test:

@@ -34,14 +34,12 @@ class Kernel:
     """One function of the C. ``digit_bits``: of the quotient, taken before the remainder is shifted up.
 
     Of reciprocals: divisors are at most ``2**width``, and have at most ``missing`` bits less than that many.
-    ``below``: every numerator lies below its divisor, so hardware is not asked.
     """
 
     by: Division
     digit_bits: int
     width: int = 0
     missing: int = 0
-    below: bool = False
 
     @property
     def smallest_bits(self) -> int:
@@ -82,7 +80,7 @@ def kernel_of(node: Quotient) -> Kernel:
             return Kernel(node.by, 1)
         case "hardware":
             if hi < 2**24:
-                return Kernel("hardware", 16 if hi < 2**16 else 8, below=node.hi < 2**16)
+                return Kernel("hardware", 16 if hi < 2**16 else 8)
             return Kernel("hardware", 4)
         case "newton" | "reciprocal":
             return _reciprocal(node.by, max((hi - 1).bit_length(), TOP_BITS + 1), lo.bit_length())

@@ -191,7 +191,7 @@ def even_mean(
     m_value = build.shift_right(moment, shift)
     a, m = build.local(scope.name(f"{name}_a"), a_value), build.local(scope.name(f"{name}_m"), m_value)
     body: list[Stmt] = [Define(a, a_value, True), Define(m, m_value, True)]
-    steps, raw, tail = mean_to_raw(output.variable, m, a, division, scope, below=fires and even.inside)
+    steps, raw, tail = mean_to_raw(output.variable, m, a, division, scope)
     slip = float(2**shift / (even.scale.area * even.span)) if shift else 0.0
     return body + steps, raw, CentroidNumbers(_even_sets(even), tail, slip, slip)
 

@@ -79,11 +79,6 @@ class EvenOutput:
         return tuple(h // self.unit for h in self.halves)
 
     @property
-    def inside(self) -> bool:
-        """Whether no mean comes near the upper end of the range (docs/numbers.md, "Even outputs")."""
-        return all(p < self.span or e for p, e in zip(self.peaks, self.ends, strict=True))
-
-    @property
     def scale(self) -> Scale:
         """Integer units of a relative area."""
         return Scale(2**self.bits.area / (self.half * self.unit), self.span, True)

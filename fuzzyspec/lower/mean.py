@@ -28,12 +28,11 @@ class Tail:
 
 
 def mean_to_raw(
-    variable: Variable, moment: Expr, area: Expr, division: Division, scope: Scope, below: bool = False
+    variable: Variable, moment: Expr, area: Expr, division: Division, scope: Scope
 ) -> tuple[list[Stmt], Expr, Tail]:
-    """The raw nearest to ``lo + (hi - lo) * moment / area``; needs ``0 <= moment <= area < 2**31``, and ``below``
-    ``moment < area``."""
+    """The raw nearest to ``lo + (hi - lo) * moment / area``; needs ``0 <= moment <= area < 2**31``."""
     body: list[Stmt] = []
-    ratio = build.quotient(moment, area, division, below)
+    ratio = build.quotient(moment, area, division)
     t = build.local(scope.name(f"{variable.name}_t"), ratio)
     body.append(Define(t, ratio, True))
     raw = variable.raw
