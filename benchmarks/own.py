@@ -93,10 +93,13 @@ def _fuzzyc(workload: Workload, targets: tuple[str, ...], effort: Effort) -> Ent
     def files(target: Any, option: str) -> Mapping[str, bytes]:
         return _generated(workload.file, target, option)
 
-    conditions = Conditions(_compilers(targets, effort), inputs=effort.cost_inputs, only=(name,))
+    conditions = Conditions(_compilers(targets, effort), inputs=effort.cost_inputs, only=(name,), worst=True)
     measured = measure(spec.lowered.program, files, conditions)
     if measured.mismatches:
         raise WrongResult(f"{workload.name}: {measured.mismatches[0]}")
+    for record in measured.records:
+        if record.exceeds:
+            raise WrongResult(f"{workload.name}: a call took more than its worst case: {record}")
     raws = workload.cases(effort.error_inputs)
     found = spec.fixed(name, raws, raw=True)
     exact = spec.exact(name, spec.dequantise(name, raws), decisions=found.decisions)

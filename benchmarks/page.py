@@ -19,10 +19,10 @@ _TARGETS = {"cortex-m0plus": "M0+", "cortex-m4": "M4", "rv32imc": "RV32", "avr":
 _SHORT = [w.name for w in WORKLOADS if w.short]
 _LANGUAGES = {"fuzzyc": "C", "fuzzylite": "C++"}
 _CELLS = (
-    ("cortex-m0plus", ("instructions_mean", "instructions_max", "cycles_mean", "flash", "stack")),
+    ("cortex-m0plus", ("instructions_mean", "instructions_max", "instructions_worst", "cycles_mean", "flash", "stack")),
     ("cortex-m4", ("instructions_mean", "flash")),
     ("rv32imc", ("instructions_mean", "flash")),
-    ("avr", ("cycles_mean", "flash", "stack")),
+    ("avr", ("cycles_mean", "cycles_worst", "flash", "stack")),
 )
 
 
@@ -87,8 +87,20 @@ def _comparison(results: Results) -> str:
 
 
 def _costs(results: Results) -> str:
-    heads = ["workload", "", "option", "M0+ instr.", "largest", "cycles", "flash", "stack", "M4 instr.", "flash"]
-    heads += ["RV32 instr.", "flash", "AVR cycles", "flash", "stack"]
+    heads = [
+        "workload",
+        "",
+        "option",
+        "M0+ instr.",
+        "largest",
+        "worst",
+        "cycles",
+        "flash",
+        "stack",
+        "M4 instr.",
+        "flash",
+    ]
+    heads += ["RV32 instr.", "flash", "AVR cycles", "worst", "flash", "stack"]
     rows = []
     for entry in results.own:
         for option in dict.fromkeys(r.option for r in entry.records):

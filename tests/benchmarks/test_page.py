@@ -56,6 +56,7 @@ def test_a_short_run_measures_all_three_kinds(short: Path) -> None:
     assert fuzzyc.error is not None
     assert fuzzyc.certified is not None
     assert fuzzyc.error.largest <= fuzzyc.certified
+    assert all(r.instructions_worst is not None for r in fuzzyc.records)
 
 
 def test_page_and_plot_are_the_same_for_the_same_results(short: Path, tmp_path: Path) -> None:
