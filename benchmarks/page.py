@@ -145,7 +145,7 @@ def _peers(results: Results) -> str:
 
 
 def _speeds(results: Results) -> str:
-    rows = [[s.workload, *(f"{v / 1e6:.2g}" for v in (s.native, s.fixed, s.exact))] for s in results.speeds]
+    rows = [[s.workload, *(_millions(v) for v in (s.native, s.fixed, s.exact))] for s in results.speeds]
     return _table(["workload", "C", "integer program", "exact meaning"], rows, left=1) if rows else ""
 
 
@@ -214,6 +214,10 @@ def _microseconds(nanoseconds: float | None) -> str:
         return "-"
     digits = 0 if nanoseconds >= 1e5 else 1 if nanoseconds >= 1e3 else 3
     return f"{nanoseconds / 1000:,.{digits}f}"
+
+
+def _millions(value: float) -> str:
+    return f"{value / 1e6:.0f}" if value >= 1e7 else f"{value / 1e6:.2g}"
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, left: int) -> str:
