@@ -57,7 +57,16 @@ def run(arguments: argparse.Namespace) -> int:
     from fuzzyspec import api
     from fuzzyspec.cli import terminal
     from fuzzyspec.cli.progress import Bar
-    from fuzzyspec.cost import OPTIMISATIONS, Conditions, EmulationError, as_json, as_text, confirm, measure
+    from fuzzyspec.cost import (
+        OPTIMISATIONS,
+        Conditions,
+        EmulationError,
+        as_json,
+        as_text,
+        confirm,
+        measure,
+        with_limits,
+    )
     from fuzzyspec.diagnostics.refusal import Refusal
     from fuzzyspec.lower import Options
     from fuzzyspec.lower.strategy import Goal
@@ -80,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         with Bar() as bar:
             progress = bar.show if sys.stderr.isatty() else None
-            measured = measure(spec.lowered.program, files, conditions, progress)
+            measured = with_limits(measure(spec.lowered.program, files, conditions, progress), spec.functions)
     except BuildError as error:
         terminal.complain(f"{error}\n{error.output}")
         return 1

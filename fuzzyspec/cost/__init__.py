@@ -5,6 +5,7 @@ from __future__ import annotations
 from fuzzyspec.cost.budgets import Verdict, confirm
 from fuzzyspec.cost.emulate import Emulation, EmulationError
 from fuzzyspec.cost.image import Image
+from fuzzyspec.cost.limit import with_limits
 from fuzzyspec.cost.measure import Conditions, Measured, Mismatch, Record, measure
 from fuzzyspec.cost.report import as_json, as_text
 from fuzzyspec.cost.toolchains import OPTIMISATIONS, TARGETS, CrossCompiler, Target, find_compiler
@@ -27,4 +28,5 @@ __all__ = [
     "confirm",
     "find_compiler",
     "measure",
+    "with_limits",
 ]

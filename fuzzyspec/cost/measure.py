@@ -28,7 +28,8 @@ class Record:
     """One function on one target, built with one option. None where nothing honest can be said.
 
     Means and largest are over the inputs that were tried; ``instructions_worst`` and ``cycles_worst`` are derived from
-    the code: no call takes more. ``worst_reason`` says why there is no such figure. ``flash`` is with what the
+    the code: no call takes more. ``worst_reason`` says why there is no such figure. ``instructions_limit`` and
+    ``cycles_limit`` are counted (``cost.limit``). ``flash`` is with what the
     compiler's library adds, ``flash_own`` without. ``matches``: the emulated outputs, status and state were those that
     were wanted: the integer program's, bit for bit, where nothing else is said.
     """
@@ -49,6 +50,8 @@ class Record:
     ram: int
     stack: int | None
     matches: bool | None
+    instructions_limit: int | None = None
+    cycles_limit: int | None = None
 
     @property
     def exceeds(self) -> bool:

@@ -12,7 +12,7 @@ from fuzzyspec.cost.measure import Conditions, Measured, Mismatch, Record
 from fuzzyspec.estimate.inputs import SEED
 
 _HEADS = (
-    *("target", "option", "instructions", "largest", "derived", "cycles", "largest", "derived"),
+    *("target", "option", "limit", "instructions", "largest", "derived", "limit", "cycles", "largest", "derived"),
     *("flash", "library", "RAM", "stack"),
 )
 BUG = "this is a defect of fuzzyc, please report it"
@@ -51,6 +51,7 @@ def as_text(
     n = conditions.inputs
     lines = [
         f"{module}: mean and largest over {n} inputs that were tried, which is no worst case;",
+        "limit: the operations that such a controller needs, counted;",
         "derived: the longest path through the built code, which no call exceeds",
         "",
     ]
@@ -97,9 +98,11 @@ def _row(r: Record) -> tuple[str, ...]:
     return (
         r.target,
         f"-{r.option}",
+        _whole(r.instructions_limit),
         _mean(r.instructions_mean),
         _whole(r.instructions_max),
         _whole(r.instructions_worst),
+        _whole(r.cycles_limit),
         _mean(r.cycles_mean),
         _whole(r.cycles_max),
         _whole(r.cycles_worst),

@@ -17,6 +17,8 @@ from fuzzyspec.cost.worst.riscv import decode_riscv
 from fuzzyspec.cost.worst.state import NO_FLAGS, Cell, Frame, State
 from fuzzyspec.cost.worst.thumb import thumb_decoder
 from fuzzyspec.cost.worst.values import Value, anything, between, constant, join
+from fuzzyspec.fixed.program import ListPort, Loop, Program
+from fuzzyspec.fixed.prune import statements
 
 _STACK = {"thumb": 0x28010000, "riscv32": 0x28010000, "avr": 0x2000}
 """Where the caller's stack ends: nothing else lies there, and no path depends on the place."""
@@ -38,7 +40,7 @@ def derive(image: Image, function: str) -> Bound:
     """The worst case of the function named as in the spec. Raises MissingTool, BuildError."""
     binary = image.probed()
     code = Code(binary, image.compiler.target.machine)
-    search = Search(code.decode, code.name_of, code.width_of, _POINTERS[code.machine])
+    search = Search(code.decode, code.name_of, code.width_of, _POINTERS[code.machine], _most_rounds(image.program))
     symbols = image.names.functions[function]
     entry = binary.symbols[symbols.function] & ~1
     try:
@@ -47,6 +49,15 @@ def derive(image: Image, function: str) -> Bound:
         return Bound(None, None, str(error), {})
     rounds = {code.name_of(a): n for a, n in search.rounds.items()}
     return _told(cost, image, rounds)
+
+
+def _most_rounds(program: Program) -> int:
+    """More rounds than any loop of the program takes, or of arithmetic that goes bit by bit."""
+    counts = [64]
+    for function in program.functions:
+        counts += [port.capacity for port in function.inputs if isinstance(port, ListPort)]
+        counts += [s.count for s in statements(function.body) if isinstance(s, Loop)]
+    return 2 + max(counts)
 
 
 def _told(cost: Cost, image: Image, rounds: dict[str, int]) -> Bound:

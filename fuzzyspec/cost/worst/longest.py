@@ -19,9 +19,6 @@ from fuzzyspec.cost.worst.semantics import apply, evaluate, run, where
 from fuzzyspec.cost.worst.state import Frame, State, joined, loss
 from fuzzyspec.cost.worst.values import Value
 
-_MOST_ROUNDS = 1_024
-_MOST_LIBRARY_ROUNDS = 64
-"""Where several states are told apart: arithmetic on 32 bits, bit by bit at the most."""
 _MOST_BLOCKS = 400_000
 _MOST_CALLS = 20
 
@@ -63,16 +60,23 @@ class _Arrival:
 class Search:
     """One call.
 
-    ``name_of`` puts an address into words; ``width_of`` tells how many states are told apart at a place.
+    ``name_of`` puts an address into words; ``width_of`` tells how many states are told apart at a place;
+    ``most_rounds`` is where a loop is given up.
     """
 
     def __init__(
-        self, decode: Decode, name_of: Callable[[int], str], width_of: Callable[[int], int], stack_pointer: Expr
+        self,
+        decode: Decode,
+        name_of: Callable[[int], str],
+        width_of: Callable[[int], int],
+        stack_pointer: Expr,
+        most_rounds: int,
     ) -> None:
         self._decode = decode
         self._name_of = name_of
         self._width_of = width_of
         self._pointer = stack_pointer
+        self._most_rounds = most_rounds
         self._graphs: dict[int, Graph] = {}
         self._waiting: dict[_Key, _Arrival] = {}
         self._order: list[_Key] = []
@@ -228,5 +232,5 @@ class Search:
 
     def _count_round(self, start: int, count: int) -> None:
         self.rounds[start] = max(self.rounds.get(start, 0), count + 1)
-        if count > (_MOST_ROUNDS if self._width_of(start) == 1 else _MOST_LIBRARY_ROUNDS):
+        if count > self._most_rounds:
             raise NoBound(f"the loop at {self._name_of(start)} has no bound that could be derived")
