@@ -18,7 +18,7 @@ ifneq ($(shell "$(PYTHON)" -V 2>&1),$(shell .venv/bin/python -V 2>&1))
 endif
 endif
 
-.PHONY: help demo test lint pytest test-long wheel generated bench clean compiler
+.PHONY: help demo test lint pytest test-long wheel generated bench fit clean compiler
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -50,6 +50,9 @@ generated: .venv/for-test ## bring generated/ up to date with the examples, and 
 
 bench: .venv/for-bench ## measure cost and error beside lookup tables, float C and libraries; write docs/benchmarks.md
 	@$(BIN)/python -m benchmarks --json out/benchmarks.json
+
+fit: .venv/for-test ## measure what has changed of the cost model's training set, and fit its weights: a quarter of an hour
+	@$(BIN)/python -m scripts.fit_costs
 
 clean: ## remove what make made, .venv too
 	rm -rf .venv out build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from fuzzyspec.cli.spec import spec_path
 
 if TYPE_CHECKING:
-    from fuzzyspec.cost import CrossCompiler
+    from fuzzyspec.api import Spec
+    from fuzzyspec.cost import Conditions, CrossCompiler
 
 TARGETS = ("cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr")
 
@@ -45,6 +46,11 @@ def register(subparsers: Any) -> None:
         "--inputs", metavar="N", type=_positive, default=1000, help="inputs to try, of a fixed sequence (default: 1000)"
     )
     parser.add_argument("--only", metavar="NAME", action="append", default=[], help="measure this controller or system")
+    parser.add_argument(
+        "--pareto",
+        action="store_true",
+        help="measure every strategy that a controller can be computed by, and mark those that nothing beats",
+    )
     parser.add_argument("--compiler", choices=("gcc", "zig"), help="build with this (default: gcc where it is found)")
     parser.add_argument("--format", choices=("text", "json"), default="text", help="what is printed")
     parser.set_defaults(run=run)
@@ -52,24 +58,10 @@ def register(subparsers: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Measure, print, 0 or 1."""
-    from functools import cache
-
     from fuzzyspec import api
     from fuzzyspec.cli import terminal
-    from fuzzyspec.cli.progress import Bar
-    from fuzzyspec.cost import (
-        OPTIMISATIONS,
-        Conditions,
-        EmulationError,
-        as_json,
-        as_text,
-        confirm,
-        measure,
-        with_limits,
-    )
+    from fuzzyspec.cost import OPTIMISATIONS, Conditions, EmulationError
     from fuzzyspec.diagnostics.refusal import Refusal
-    from fuzzyspec.lower import Options
-    from fuzzyspec.lower.strategy import Goal
     from fuzzyspec.native import BuildError
 
     spec = api.load(arguments.file)
@@ -81,23 +73,34 @@ def run(arguments: argparse.Namespace) -> int:
     options = tuple(o for o in OPTIMISATIONS if o in (arguments.opt or OPTIMISATIONS))
     conditions = Conditions(compilers, options, arguments.inputs, tuple(arguments.only), worst=True)
 
+    try:
+        return (_pareto if arguments.pareto else _measure)(spec, conditions, missing, arguments)
+    except BuildError as error:
+        terminal.complain(f"{error}\n{error.output}")
+    except EmulationError as error:
+        terminal.complain(f"the emulated C did not run to its end: {error}")
+    return 1
+
+
+def _measure(spec: Spec, conditions: Conditions, missing: Mapping[str, str], arguments: argparse.Namespace) -> int:
+    """What is compiled for each target; 0, or 1 where an output was wrong or a budget is not kept."""
+    from functools import cache
+
+    from fuzzyspec.cli.progress import Bar
+    from fuzzyspec.cost import as_json, as_text, confirm, measure, with_limits
+    from fuzzyspec.lower import Options
+    from fuzzyspec.lower.strategy import Goal
+
     @cache
     def files(target: Any, option: str) -> Mapping[str, bytes]:
         goal: Goal = arguments.optimize or ("size" if option == "Os" else "speed")
         return spec.compile(Options(optimize=goal, target=target)).files
 
-    try:
-        with Bar() as bar:
-            progress = bar.show if sys.stderr.isatty() else None
-            measured = with_limits(measure(spec.lowered.program, files, conditions, progress), spec.functions)
-    except BuildError as error:
-        terminal.complain(f"{error}\n{error.output}")
-        return 1
-    except EmulationError as error:
-        terminal.complain(f"the emulated C did not run to its end: {error}")
-        return 1
-    budgets = {name: f.budgets for name, f in spec.functions.items() if name in (arguments.only or known)}
-    verdicts = confirm(budgets, measured.records, _judged(options, arguments.optimize), missing)
+    with Bar() as bar:
+        progress = bar.show if sys.stderr.isatty() else None
+        measured = with_limits(measure(spec.lowered.program, files, conditions, progress), spec.functions)
+    budgets = {name: f.budgets for name, f in spec.functions.items() if name in (arguments.only or spec.functions)}
+    verdicts = confirm(budgets, measured.records, _judged(conditions.options, arguments.optimize), missing)
     if arguments.format == "json":
         import json
 
@@ -105,6 +108,22 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print(as_text(spec.name, conditions, measured, missing, verdicts))
     return 0 if measured.ok and all(v.met is not False for v in verdicts) else 1
+
+
+def _pareto(spec: Spec, conditions: Conditions, missing: Mapping[str, str], arguments: argparse.Namespace) -> int:
+    """Every strategy; 0, or 1 where one of them computed what its program does not."""
+    from fuzzyspec.cli.progress import Bar
+    from fuzzyspec.cost import pareto, pareto_json, pareto_text
+
+    with Bar() as bar:
+        choices = pareto(spec.module, spec.source, conditions, bar.show if sys.stderr.isatty() else None)
+    if arguments.format == "json":
+        import json
+
+        print(json.dumps(pareto_json(spec.name, conditions, choices, missing), indent=2))
+    else:
+        print(pareto_text(spec.name, conditions, choices, missing))
+    return 1 if choices.mismatches else 0
 
 
 def _judged(options: tuple[str, ...], goal: str | None) -> str:

@@ -7,6 +7,7 @@ from fuzzyspec.cost.emulate import Emulation, EmulationError
 from fuzzyspec.cost.image import Image
 from fuzzyspec.cost.limit import with_limits
 from fuzzyspec.cost.measure import Conditions, Measured, Mismatch, Record, measure
+from fuzzyspec.cost.pareto import pareto, pareto_json, pareto_text
 from fuzzyspec.cost.report import as_json, as_text
 from fuzzyspec.cost.toolchains import OPTIMISATIONS, TARGETS, CrossCompiler, Target, find_compiler
 
@@ -28,5 +29,8 @@ __all__ = [
     "confirm",
     "find_compiler",
     "measure",
+    "pareto",
+    "pareto_json",
+    "pareto_text",
     "with_limits",
 ]

@@ -105,11 +105,22 @@ def emit(module: Module, lowered: Lowered, source: Source, options: object = Non
 
 
 def describe_options(options: object) -> str:
-    """Every option and its value, in declared order."""
+    """Every option that is set and its value, in declared order."""
     if options is None:
         return "none"
     chosen: Mapping[str, object] = asdict(options)  # type: ignore[call-overload]
-    return ", ".join(f"{name} {value}" for name, value in chosen.items()) or "none"
+    return ", ".join(f"{name} {_words(value)}" for name, value in chosen.items() if value != ()) or "none"
+
+
+def _words(value: object) -> str:
+    """An option's value: strategies by function are pairs of a name and what is chosen."""
+    match value:
+        case tuple():
+            return ("; " if isinstance(value[0], tuple) else " ").join(_words(v) for v in value)
+        case dict():
+            return " ".join(f"{k} {v}" for k, v in value.items())
+        case _:
+            return str(value)
 
 
 def _shallow(data: Any) -> dict[str, Any]:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import get_args
 
-from fuzzyspec.estimate.features import add, bits_of
+from fuzzyspec.estimate.features import bits_of
 from fuzzyspec.fixed.program import (
-    Assign,
     Branch,
     CallFunction,
     CType,
@@ -28,7 +28,9 @@ WORDS = (4, 7, 11)
 """Registers that a 32-bit machine may have left for locals, as steps that a fit may weigh."""
 BYTES = (8, 16, 24)
 """The same of an 8-bit machine."""
-Live = Mapping[str, CType]
+SIZES: Mapping[CType, int] = {t: bits_of(t) // 8 for t in get_args(CType)}
+Live = dict[str, int]
+"""Locals and their bytes."""
 
 
 @dataclass
@@ -53,45 +55,51 @@ def arrays(body: tuple[Stmt, ...]) -> int:
     return sum(s.size * bits_of(s.ctype) // 8 for s in statements(body) if isinstance(s, DefineArray))
 
 
-def _block(body: tuple[Stmt, ...], after: Live, found: Pressure) -> Live:
-    """What lives before the block, of what lives after it."""
-    live = after
+def _block(body: tuple[Stmt, ...], after: Live, found: Pressure | None) -> Live:
+    """What lives before the block, of what lives after it. Without ``found`` nothing is noted."""
+    live = dict(after)
     count: dict[str, float] = {}
     for statement in reversed(body):
+        read = _read(statement)
         match statement:
             case Define(local, _, _):
-                live = {k: v for k, v in live.items() if k != local.name} | _read(statement)
-            case Assign():
-                # It may stand in a branch: before it the value that it replaces counts as read.
-                live = {**live, **_read(statement)}
+                live.pop(local.name, None)
             case Loop(body=inner) | Each(body=inner):
-                once = _block(inner, live, Pressure())
-                live = {**live, **_block(inner, {**live, **once}, found)}
+                live |= _block(inner, live, None)
+                live |= _block(inner, live, found)
             case Branch(_, then, other):
-                live = {**_block(then, live, found), **_block(other, live, found), **_read(statement)}
+                live = _block(then, live, found) | _block(other, live, found)
             case CallFunction(results=results):
-                names = {local.name for _, local in results}
-                live = {k: v for k, v in live.items() if k not in names} | _read(statement)
+                for _, local in results:
+                    live.pop(local.name, None)
             case _:
-                live = {**live, **_read(statement)}
-        _crowded(live, len(_read(statement)), found, count)
-    found.blocks[id(body)] = count
+                # Also what is assigned: that may stand in a branch, and before it the value that it replaces lives.
+                pass
+        live |= read
+        if found is not None:
+            _crowded(live, len(read), found, count)
+    if found is not None:
+        found.blocks[id(body)] = count
     return live
 
 
 def _crowded(live: Live, reads: int, found: Pressure, count: dict[str, float]) -> None:
     """Of what is read, the part that the registers do not hold, were it spread evenly."""
-    words, size = len(live), sum(bits_of(t) // 8 for t in live.values())
+    words, size = len(live), sum(live.values())
     found.words, found.bytes = max(found.words, words), max(found.bytes, size)
+    if not reads:
+        return
     for limit in WORDS:
         if words > limit:
-            add(count, {f"crowded_{limit}": reads * (words - limit) / words})
+            name = f"crowded_{limit}"
+            count[name] = count.get(name, 0.0) + reads * (words - limit) / words
     for limit in BYTES:
         if size > limit:
-            add(count, {f"crowded_bytes_{limit}": reads * (size - limit) / size})
+            name = f"crowded_bytes_{limit}"
+            count[name] = count.get(name, 0.0) + reads * (size - limit) / size
 
 
-def _read(statement: Stmt) -> dict[str, CType]:
+def _read(statement: Stmt) -> Live:
     """The locals that a statement itself reads, without the blocks inside it."""
     match statement:
         case Branch(test):
@@ -100,4 +108,4 @@ def _read(statement: Stmt) -> dict[str, CType]:
             return {}
         case _:
             own = (n for e in expressions((statement,)) for n in nodes(e))
-    return {n.name: n.ctype for n in own if isinstance(n, Local)}
+    return {n.name: SIZES[n.ctype] for n in own if isinstance(n, Local)}

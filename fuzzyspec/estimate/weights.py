@@ -8,11 +8,11 @@ What divides is weighed by what it takes alone, whatever was fitted: ``dividers.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import Literal
+from typing import Any, Literal
 
 from fuzzyspec.estimate.features import Features
 
@@ -52,17 +52,40 @@ def weights(machine: str, option: Option, figure: Figure) -> Weights | None:
     return _all()[machine].get((option, figure))
 
 
+def dividers(machine: str, option: str, figure: str) -> Mapping[str, float]:
+    """What the kernels that divide take alone, by feature."""
+    found: Mapping[str, float] = _data("dividers.json")["machines"][machine][option].get(figure, {})
+    return found
+
+
+def divides(feature: str) -> bool:
+    """Whether a feature is weighed by what a divider takes alone, and so by no fit."""
+    return feature in _dividing()
+
+
+def unseen(found: Iterable[str]) -> int:
+    """How many of these features neither the fit saw in any program nor is a divider that was measured alone."""
+    return len(set(found) - _seen() - _dividing())
+
+
+@cache
+def _dividing() -> frozenset[str]:
+    machines = _data("dividers.json")["machines"]
+    known = {f for options in machines.values() for figures in options.values() for by in figures.values() for f in by}
+    stems = {name.removeprefix("kernel_") for name in known if name.startswith("kernel_")}
+    return frozenset(known | {f"quotient_{stem}" for stem in stems})
+
+
+@cache
+def _seen() -> frozenset[str]:
+    return frozenset(_data("weights.json")["seen"])
+
+
 @cache
 def _all() -> Mapping[str, Mapping[tuple[str, str], Weights]]:
-    data, alone = (
-        json.loads(files("fuzzyspec.estimate").joinpath(name).read_text(encoding="utf-8"))
-        for name in ("weights.json", "dividers.json")
-    )
-
-    def by(found: Mapping[str, float], machine: str, option: str, figure: str) -> Mapping[str, float]:
-        dividers: Mapping[str, float] = alone["machines"][machine][option].get(figure, {})
-        fitted = {k: w for k, w in found.items() if not (dividers and k.startswith(("quotient", *dividers)))}
-        return {**fitted, **dividers}
+    def by(fitted: Mapping[str, float], machine: str, option: str, figure: str) -> Mapping[str, float]:
+        alone = dividers(machine, option, figure)
+        return {**{k: w for k, w in fitted.items() if not (alone and divides(k))}, **alone}
 
     return {
         machine: {
@@ -72,5 +95,10 @@ def _all() -> Mapping[str, Mapping[tuple[str, str], Weights]]:
             for option, figures in options.items()
             for figure, found in figures.items()
         }
-        for machine, options in data["machines"].items()
+        for machine, options in _data("weights.json")["machines"].items()
     }
+
+
+@cache
+def _data(name: str) -> Any:
+    return json.loads(files("fuzzyspec.estimate").joinpath(name).read_text(encoding="utf-8"))

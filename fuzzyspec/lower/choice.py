@@ -1,26 +1,67 @@
-"""The strategy of a controller: which ones it can be computed by, and which one a goal and a machine ask for."""
+"""The strategy of a controller: which ones it can be computed by, and which one a goal and a machine ask for.
+
+Strategies are not known by name here: each is lowered, what it would cost is estimated (``fuzzyspec.estimate``), and
+the cheapest is taken.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from itertools import product
 from typing import get_args
 
-from fuzzyspec.fixed.program import Division
+from fuzzyspec.estimate.model import flash, time
+from fuzzyspec.estimate.profile import Profile, profile
+from fuzzyspec.estimate.weights import Option, unseen
+from fuzzyspec.fixed.build import RangeError
+from fuzzyspec.fixed.program import Division, Function, Program
 from fuzzyspec.lower.cells import applies as cells_apply
+from fuzzyspec.lower.controller import ControllerNumbers, lower_controller
 from fuzzyspec.lower.levels import applies as levels_apply
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
-from fuzzyspec.lower.multilinear import corners_of, ways
+from fuzzyspec.lower.multilinear import ways
 from fuzzyspec.lower.strategy import Goal, Interpolation, Rules, Strategy, Target, Widths
+from fuzzyspec.lower.widths import fit_widths
 from fuzzyspec.model.controller import Controller
 
-DIVIDES: frozenset[Target] = frozenset({"cortex-m4", "cortex-m7", "rv32imc"})
-"""Machines on which 32-bit division is an instruction, not a call of a library."""
 WIDTHS: Mapping[Target, Widths] = {t: "narrow" if t == "avr" else "words" for t in get_args(Target)}
 """On 8 bits every byte of a value costs; on 32 a narrow local costs, which is cut to its width at every step."""
-FEW_CORNERS = 2
-"""Sums of corners that take less room one by one than in a loop."""
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """What is to be least: ``time ** for_time * flash ** for_flash``, a geometric mean over the compiler's options."""
+
+    for_time: float
+    for_flash: float
+    options: tuple[Option, ...]
+
+
+GOALS: Mapping[Goal, Weighing] = {
+    "speed": Weighing(1, 1 / 8, ("O2",)),
+    "balanced": Weighing(1, 1, ("O2", "Os")),
+    "size": Weighing(1 / 8, 1, ("Os",)),
+}
+"""Twice the flash must buy 8 % of the time where speed is asked for; twice the time must save 8 % of the flash where
+size is; and either is worth the other in between."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A controller lowered by one strategy."""
+
+    strategy: Strategy
+    function: Function
+    numbers: ControllerNumbers
+    target: Target
+
+    @cached_property
+    def profile(self) -> Profile:
+        """What it does, in the widths of the target."""
+        return profile(Program("choice", (fit_widths(self.function, WIDTHS[self.target]),)), self.function.name)
 
 
 def rules_of(controller: Controller) -> tuple[Rules, ...]:
@@ -38,29 +79,53 @@ def strategies(controller: Controller) -> tuple[Strategy, ...]:
     return tuple(Strategy(*s) for s in product(rules_of(controller), interpolations, get_args(Division)))
 
 
-def choose(controller: Controller, goal: Goal, target: Target) -> Strategy:
-    """One of a controller's strategies."""
-    division = division_of(goal, target)
-    interpolation = _interpolation(controller, goal, target)
-    if goal == "size":
-        return Strategy("loops", interpolation, division)
-    possible = rules_of(controller)
-    rules: Rules = possible[-1]
-    return Strategy(rules, interpolation, division)
+def choose(controller: Controller, goal: Goal, target: Target) -> Candidate:
+    """The controller by the strategy that serves the goal.
+
+    One field of the strategy after the other, in declared order, is set to what comes out cheapest with the others as
+    they are; of equals the first stays. What does something that the model has never seen comes after what does not.
+    Raises RangeError where no strategy fits 32 bits, and TooManySets.
+    """
+
+    def cost(of: Candidate) -> tuple[int, float]:
+        return unseen(of.profile.code), weigh(of.profile, goal, target)
+
+    possible = strategies(controller)
+    best = _first(controller, possible, target)
+    least = cost(best)
+    for field in fields(Strategy):
+        anchor = best.strategy
+        for strategy in possible:
+            if strategy == anchor or replace(strategy, **{field.name: getattr(anchor, field.name)}) != anchor:
+                continue
+            try:
+                tried = candidate(controller, strategy, target)
+            except RangeError:
+                continue
+            if cost(tried) < least:
+                best, least = tried, cost(tried)
+    return best
 
 
-def division_of(goal: Goal, target: Target) -> Division:
-    """How a machine divides. A table and two multiplications a digit pay where the multiplier takes whole words."""
-    if target in DIVIDES:
-        return "hardware"
-    if target == "avr":
-        return "unrolled" if goal == "speed" else "loop"
-    return "newton" if goal == "size" else "reciprocal"
+def candidate(controller: Controller, strategy: Strategy, target: Target) -> Candidate:
+    """The controller by one strategy. Raises RangeError and TooManySets where its integers do not go into 32 bits."""
+    return Candidate(strategy, *lower_controller(controller, strategy), target)
 
 
-def _interpolation(controller: Controller, goal: Goal, target: Target) -> Interpolation:
-    """A machine of 8 bits gains nothing by filling words; few corners take less room without a loop."""
-    if not multilinear_applies(controller) or (goal == "size" and corners_of(controller) > FEW_CORNERS):
-        return "loops"
-    packs = goal != "size" and target != "avr" and "packed" in ways(controller)
-    return "packed" if packs else "written"
+def _first(controller: Controller, possible: tuple[Strategy, ...], target: Target) -> Candidate:
+    """The first strategy that fits 32 bits. Raises RangeError of the last where none does."""
+    for strategy in possible[:-1]:
+        try:
+            return candidate(controller, strategy, target)
+        except RangeError:
+            continue
+    return candidate(controller, possible[-1], target)
+
+
+def weigh(found: Profile, goal: Goal, target: Target) -> float:
+    """What the goal wants least."""
+    by = GOALS[goal]
+    cost = 1.0
+    for option in by.options:
+        cost *= time(found, target, option) ** by.for_time * flash(found, target, option) ** by.for_flash
+    return cost

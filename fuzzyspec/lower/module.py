@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal
+from typing import Literal, get_args
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
+from fuzzyspec.estimate.profile import profile
 from fuzzyspec.fixed.build import RangeError
 from fuzzyspec.fixed.certificate import Band, Certificate, OutputBound
-from fuzzyspec.fixed.program import Function, Program
+from fuzzyspec.fixed.program import Division, Function, Program, Quotient
+from fuzzyspec.fixed.prune import expressions, nodes
 from fuzzyspec.lower.bounds import Effort, bound_controller, means
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
-from fuzzyspec.lower.choice import WIDTHS, choose, division_of
+from fuzzyspec.lower.choice import WIDTHS, Candidate, candidate, choose, weigh
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
-from fuzzyspec.lower.controller import ControllerNumbers, lower_controller
-from fuzzyspec.lower.strategy import Goal, Target
-from fuzzyspec.lower.system import CallBounds, SystemNumbers, lower_system
+from fuzzyspec.lower.controller import ControllerNumbers
+from fuzzyspec.lower.strategy import Goal, Strategy, Target
+from fuzzyspec.lower.system import CallBounds, Certify, SystemNumbers, lower_system
 from fuzzyspec.lower.widths import fit_widths
 from fuzzyspec.model.controller import Controller
 from fuzzyspec.model.system import Module, System
@@ -31,12 +33,18 @@ class Options:
     """``bounds``: ``quick`` derives in well under a second, ``thorough`` looks at fifty times as many boxes.
 
     ``optimize``: what the strategies are chosen for, ``target``: the machine. Every choice computes the same
-    integers, and its C runs bit-exact on every machine.
+    integers, and its C runs bit-exact on every machine. ``explicit``: strategies by name of a controller or a system
+    (which only divides), instead of those that would be chosen.
     """
 
     bounds: Literal["quick", "thorough"] = "quick"
     optimize: Goal = "balanced"
     target: Target = "generic"
+    explicit: tuple[tuple[str, Strategy], ...] = ()
+
+    def strategy_of(self, name: str) -> Strategy | None:
+        """The strategy that was asked for, if any."""
+        return next((strategy for function, strategy in self.explicit if function == name), None)
 
     @property
     def built_with(self) -> Literal["O2", "Os"]:
@@ -78,11 +86,12 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     problems: list[Diagnostic] = []
     for controller in module.controllers:
         try:
-            function, found = lower_controller(controller, choose(controller, chosen.optimize, chosen.target))
+            taken = _controller(controller, chosen)
         except (RangeError, TooManySets) as error:
             problems.append(_diagnostic(controller, error))
             continue
-        functions[controller.name] = function
+        found = taken.numbers
+        functions[controller.name] = taken.function
         numbers[controller.name] = found
         prepared[controller.name] = means(found)
         certificates[controller.name] = _of_controller(controller, found, alone, chosen, prepared[controller.name])
@@ -99,9 +108,7 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
         if any(c.controller.name not in functions for c in system.calls):
             continue
         try:
-            function, system_numbers = lower_system(
-                system, functions, certify, division_of(chosen.optimize, chosen.target)
-            )
+            function, system_numbers = _system(system, functions, certify, chosen)
         except RangeError as error:
             problems.append(_diagnostic(system, error))
             continue
@@ -112,6 +119,33 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     widths = WIDTHS[chosen.target]
     fitted = tuple(fit_widths(f, widths) for f in functions.values())
     return Lowered(Program(module.name, fitted, narrow=widths == "narrow"), certificates)
+
+
+def _controller(controller: Controller, options: Options) -> Candidate:
+    strategy = options.strategy_of(controller.name)
+    if strategy is not None:
+        return candidate(controller, strategy, options.target)
+    return choose(controller, options.optimize, options.target)
+
+
+def _system(
+    system: System, functions: dict[str, Function], certify: Certify, options: Options
+) -> tuple[Function, SystemNumbers]:
+    """The system with the quotients that cost least, where it has any."""
+    strategy = options.strategy_of(system.name)
+    best = lower_system(system, functions, certify, Strategy().division if strategy is None else strategy.division)
+    divides = any(isinstance(n, Quotient) for e in expressions(best[0].body) for n in nodes(e))
+    if strategy is not None or not divides:
+        return best
+
+    def cost(function: Function) -> float:
+        widths = WIDTHS[options.target]
+        called = [functions[c.controller.name] for c in system.calls]
+        fitted = tuple(fit_widths(f, widths) for f in (*dict.fromkeys(called), function))
+        return weigh(profile(Program("choice", fitted), function.name), options.optimize, options.target)
+
+    others = [lower_system(system, functions, certify, by) for by in get_args(Division) if by != Strategy().division]
+    return min((best, *others), key=lambda tried: cost(tried[0]))
 
 
 def _of_controller(

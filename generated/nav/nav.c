@@ -16,11 +16,9 @@
 #include <avr/pgmspace.h>
 #define NAV_TABLE PROGMEM
 #define NAV_READ_U8(table, index) ((uint8_t)pgm_read_byte(&(table)[(index)]))
-#define NAV_READ_U16(table, index) ((uint16_t)pgm_read_word(&(table)[(index)]))
 #else
 #define NAV_TABLE
 #define NAV_READ_U8(table, index) ((table)[(index)])
-#define NAV_READ_U16(table, index) ((table)[(index)])
 #endif
 
 /* floor(value * factor / 2^16) without a 64-bit product; factor <= 2^16. */
@@ -32,118 +30,51 @@ static uint32_t nav_mul_high(uint32_t value, uint32_t factor)
     return (high * factor) + ((low * factor) >> 16U);
 }
 
-/* 2^21 / top at the middle of each 512 numbers from top = 2^13 up. */
-static const uint8_t nav_reciprocals[113] NAV_TABLE = {
-    248U, 234U, 221U, 210U, 200U, 191U, 182U, 174U, 167U, 161U, 155U, 149U, 144U, 139U, 134U,
-    130U, 126U, 122U, 119U, 115U, 112U, 109U, 106U, 104U, 101U, 99U, 96U, 94U, 92U, 90U, 88U,
-    86U, 84U, 83U, 81U, 80U, 78U, 77U, 75U, 74U, 72U, 71U, 70U, 69U, 68U, 67U, 66U, 65U, 64U,
-    63U, 62U, 61U, 60U, 59U, 58U, 57U, 56U, 56U, 55U, 54U, 54U, 53U, 52U, 52U, 51U, 50U, 50U,
-    49U, 48U, 48U, 47U, 47U, 46U, 46U, 45U, 45U, 44U, 44U, 43U, 43U, 42U, 42U, 42U, 41U, 41U,
-    40U, 40U, 40U, 39U, 39U, 38U, 38U, 38U, 37U, 37U, 37U, 36U, 36U, 36U, 35U, 35U, 35U, 35U,
-    34U, 34U, 34U, 33U, 33U, 33U, 33U, 32U, 32U, 32U
-};
-
-/* floor(num * 2^16 / den) where num < den, else 2^16; 2^20 <= den <= 2^23.
- * A reciprocal, from the table and bettered by Newton's method, gives the quotient by 8 bits at once: never
- * too much, and too little by so little that the rest stays below twice the divisor. */
+/* floor(num * 2^16 / den) by two digits of 8 bits where num < den, else 2^16; den < 2^24. */
 static uint32_t nav_quotient(uint32_t num, uint32_t den)
 {
     uint32_t digits = 65536U;
 
     if (num < den) {
-        const uint32_t divisor = den;
-        uint32_t rest = num;
+        const uint32_t first = (num << 8U) / den;
+        const uint32_t rest = (num << 8U) - (first * den);
 
-        const uint32_t guess = NAV_READ_U8(nav_reciprocals, (divisor >> 16U) - 16U);
-        const uint32_t inverse = (guess * (4194048U - ((divisor >> 7U) * guess))) >> 10U;
-        uint32_t digit = ((rest >> 8U) * inverse) >> 23U;
-
-        rest = (rest << 8U) - (digit * divisor);
-        digits = digit;
-
-        digit = ((rest >> 8U) * inverse) >> 23U;
-        rest = (rest << 8U) - (digit * divisor);
-        digits = (digits << 8U) + digit;
-        if (rest >= divisor) {
-            digits = digits + 1U;
-        }
+        digits = (first << 8U) + ((rest << 8U) / den);
     }
     return digits;
 }
 
-/* floor(num * 2^16 / den) where num < den, else 2^16; den <= 2^23.
- * A reciprocal, from the table and bettered by Newton's method, gives the quotient by 8 bits at once: never
- * too much, and too little by so little that the rest stays below twice the divisor. */
+/* floor(num * 2^16 / den) by long division where num < den, else 2^16; den < 2^31. Each round is four steps. */
 static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
 {
     uint32_t digits = 65536U;
 
     if (num < den) {
         uint32_t rest = num;
-        uint32_t divisor = den;
 
-        if (divisor < 2048U) {
-            divisor = divisor << 12U;
-            rest = rest << 12U;
-        }
-        if (divisor < 131072U) {
-            divisor = divisor << 6U;
-            rest = rest << 6U;
-        }
-        if (divisor < 1048576U) {
-            divisor = divisor << 3U;
-            rest = rest << 3U;
-        }
-
-        const uint32_t guess = NAV_READ_U8(nav_reciprocals, (divisor >> 16U) - 16U);
-        const uint32_t inverse = (guess * (4194048U - ((divisor >> 7U) * guess))) >> 10U;
-        uint32_t digit = ((rest >> 8U) * inverse) >> 23U;
-
-        rest = (rest << 8U) - (digit * divisor);
-        digits = digit;
-
-        digit = ((rest >> 8U) * inverse) >> 23U;
-        rest = (rest << 8U) - (digit * divisor);
-        digits = (digits << 8U) + digit;
-        if (rest >= divisor) {
-            digits = digits + 1U;
-        }
-    }
-    return digits;
-}
-
-/* floor(num * 2^16 / den) where num < den, else 2^16; 2^18 <= den <= 2^24.
- * A reciprocal, from the table and bettered by Newton's method, gives the quotient by 8 bits at once: never
- * too much, and too little by so little that the rest stays below twice the divisor. */
-static uint32_t nav_quotient_3(uint32_t num, uint32_t den)
-{
-    uint32_t digits = 65536U;
-
-    if (num < den) {
-        uint32_t rest = num;
-        uint32_t divisor = den;
-
-        if (divisor < 2097152U) {
-            divisor = divisor << 3U;
-            rest = rest << 3U;
-        }
-
-        const uint32_t guess = NAV_READ_U8(nav_reciprocals, (divisor >> 17U) - 16U);
-        const uint32_t inverse = (guess * (4194048U - ((divisor >> 8U) * guess))) >> 10U;
-        uint32_t digit = ((rest >> 9U) * inverse) >> 23U;
-
-        rest = (rest << 8U) - (digit * divisor);
-        if (rest >= divisor) {
-            rest = rest - divisor;
-            digit = digit + 1U;
-        }
-        digits = digit;
-
-        digit = ((rest >> 9U) * inverse) >> 23U;
-        rest = (rest << 8U) - (digit * divisor);
-        digits = (digits << 8U) + digit;
-        if (rest >= divisor) {
-            digits = digits + 1U;
+        digits = 0U;
+        for (uint_fast8_t rounds = 4U; rounds > 0U; --rounds) {
+            digits = digits << 4U;
+            rest = rest << 1U;
+            if (rest >= den) {
+                rest = rest - den;
+                digits = digits + 8U;
+            }
+            rest = rest << 1U;
+            if (rest >= den) {
+                rest = rest - den;
+                digits = digits + 4U;
+            }
+            rest = rest << 1U;
+            if (rest >= den) {
+                rest = rest - den;
+                digits = digits + 2U;
+            }
+            rest = rest << 1U;
+            if (rest >= den) {
+                rest = rest - den;
+                digits = digits + 1U;
+            }
         }
     }
     return digits;
@@ -281,14 +212,18 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     return status;
 }
 
-static const uint16_t nav_velocity_rules[81] NAV_TABLE = {
-    520U, 2064U, 8200U, 520U, 2056U, 1028U, 520U, 2056U, 258U, 1028U, 1028U, 4100U, 516U, 1028U,
-    1028U, 516U, 1028U, 258U, 514U, 258U, 8194U, 514U, 258U, 1028U, 257U, 258U, 258U, 4100U,
-    2056U, 8200U, 4100U, 2052U, 1028U, 4100U, 2050U, 258U, 4100U, 1028U, 8196U, 4100U, 1028U,
-    1028U, 4100U, 1028U, 258U, 4100U, 258U, 8194U, 4100U, 258U, 1028U, 4100U, 258U, 258U,
-    16386U, 2056U, 8200U, 16386U, 2050U, 1028U, 16386U, 2050U, 258U, 16386U, 1028U, 8196U,
-    16386U, 1028U, 1028U, 16386U, 1028U, 258U, 16386U, 258U, 16385U, 16386U, 258U, 1028U,
-    16386U, 258U, 258U
+static const uint8_t nav_velocity_v_rules[81] NAV_TABLE = {
+    3U, 4U, 3U, 3U, 3U, 2U, 3U, 3U, 1U, 2U, 2U, 2U, 2U, 2U, 2U, 2U, 2U, 1U, 1U, 1U, 1U, 1U, 1U,
+    2U, 0U, 1U, 1U, 2U, 3U, 3U, 2U, 2U, 2U, 2U, 1U, 1U, 2U, 2U, 2U, 2U, 2U, 2U, 2U, 2U, 1U, 2U,
+    1U, 1U, 2U, 1U, 2U, 2U, 1U, 1U, 1U, 3U, 3U, 1U, 1U, 2U, 1U, 1U, 1U, 1U, 2U, 2U, 1U, 2U, 2U,
+    1U, 2U, 1U, 1U, 1U, 0U, 1U, 1U, 2U, 1U, 1U, 1U
+};
+
+static const uint8_t nav_velocity_w_rules[81] NAV_TABLE = {
+    1U, 3U, 5U, 1U, 3U, 2U, 1U, 3U, 0U, 2U, 2U, 4U, 1U, 2U, 2U, 1U, 2U, 0U, 1U, 0U, 5U, 1U, 0U,
+    2U, 0U, 0U, 0U, 4U, 3U, 5U, 4U, 3U, 2U, 4U, 3U, 0U, 4U, 2U, 5U, 4U, 2U, 2U, 4U, 2U, 0U, 4U,
+    0U, 5U, 4U, 0U, 2U, 4U, 0U, 0U, 6U, 3U, 5U, 6U, 3U, 2U, 6U, 3U, 0U, 6U, 2U, 5U, 6U, 2U, 2U,
+    6U, 2U, 0U, 6U, 0U, 6U, 6U, 0U, 2U, 6U, 0U, 0U
 };
 
 static const uint8_t nav_velocity_owners[81] NAV_TABLE = {
@@ -296,45 +231,6 @@ static const uint8_t nav_velocity_owners[81] NAV_TABLE = {
     1U, 2U, 1U, 1U, 1U, 3U, 3U, 1U, 2U, 1U, 1U, 2U, 1U, 1U, 1U, 2U, 1U, 1U, 1U, 1U, 1U, 1U, 1U,
     1U, 2U, 1U, 1U, 1U, 1U, 1U, 1U, 1U, 3U, 3U, 1U, 2U, 1U, 1U, 2U, 1U, 1U, 1U, 2U, 1U, 1U, 1U,
     1U, 1U, 1U, 1U, 1U, 2U, 1U, 1U, 1U, 1U, 1U, 1U
-};
-
-static const uint8_t nav_velocity_v_covers[128] NAV_TABLE = {
-    0U, 0U, 0U, 0U, 2U, 2U, 0U, 0U, 2U, 2U, 4U, 4U, 3U, 2U, 3U, 2U, 2U, 2U, 8U, 8U, 4U, 4U, 8U,
-    8U, 3U, 2U, 9U, 6U, 4U, 2U, 8U, 4U, 2U, 2U, 12U, 12U, 4U, 4U, 12U, 12U, 4U, 4U, 16U, 16U,
-    5U, 4U, 15U, 14U, 3U, 2U, 15U, 10U, 5U, 4U, 15U, 10U, 4U, 2U, 16U, 8U, 5U, 2U, 15U, 6U, 2U,
-    2U, 16U, 16U, 4U, 4U, 16U, 16U, 4U, 4U, 20U, 20U, 5U, 4U, 19U, 18U, 4U, 4U, 24U, 24U, 6U,
-    6U, 24U, 24U, 5U, 4U, 25U, 22U, 6U, 4U, 24U, 20U, 3U, 2U, 21U, 14U, 5U, 4U, 21U, 14U, 5U,
-    4U, 25U, 18U, 6U, 4U, 24U, 16U, 4U, 2U, 24U, 12U, 6U, 4U, 24U, 12U, 5U, 2U, 25U, 10U, 6U,
-    2U, 24U, 8U
-};
-
-static const uint8_t nav_velocity_w_covers[512] NAV_TABLE = {
-    0U, 0U, 0U, 0U, 2U, 2U, 0U, 0U, 2U, 2U, 4U, 4U, 3U, 2U, 3U, 2U, 2U, 2U, 8U, 8U, 4U, 4U, 8U,
-    8U, 3U, 2U, 9U, 6U, 4U, 2U, 8U, 4U, 2U, 2U, 12U, 12U, 4U, 4U, 12U, 12U, 4U, 4U, 16U, 16U,
-    5U, 4U, 15U, 14U, 3U, 2U, 15U, 10U, 5U, 4U, 15U, 10U, 4U, 2U, 16U, 8U, 5U, 2U, 15U, 6U, 2U,
-    2U, 16U, 16U, 4U, 4U, 16U, 16U, 4U, 4U, 20U, 20U, 5U, 4U, 19U, 18U, 4U, 4U, 24U, 24U, 6U,
-    6U, 24U, 24U, 5U, 4U, 25U, 22U, 6U, 4U, 24U, 20U, 3U, 2U, 21U, 14U, 5U, 4U, 21U, 14U, 5U,
-    4U, 25U, 18U, 6U, 4U, 24U, 16U, 4U, 2U, 24U, 12U, 6U, 4U, 24U, 12U, 5U, 2U, 25U, 10U, 6U,
-    2U, 24U, 8U, 2U, 2U, 20U, 20U, 4U, 4U, 20U, 20U, 4U, 4U, 24U, 24U, 5U, 4U, 23U, 22U, 4U, 4U,
-    28U, 28U, 6U, 6U, 28U, 28U, 5U, 4U, 29U, 26U, 6U, 4U, 28U, 24U, 4U, 4U, 32U, 32U, 6U, 6U,
-    32U, 32U, 6U, 6U, 36U, 36U, 7U, 6U, 35U, 34U, 5U, 4U, 35U, 30U, 7U, 6U, 35U, 30U, 6U, 4U,
-    36U, 28U, 7U, 4U, 35U, 26U, 3U, 2U, 27U, 18U, 5U, 4U, 27U, 18U, 5U, 4U, 31U, 22U, 6U, 4U,
-    30U, 20U, 5U, 4U, 35U, 26U, 7U, 6U, 35U, 26U, 6U, 4U, 36U, 24U, 7U, 4U, 35U, 22U, 4U, 2U,
-    32U, 16U, 6U, 4U, 32U, 16U, 6U, 4U, 36U, 20U, 7U, 4U, 35U, 18U, 5U, 2U, 35U, 14U, 7U, 4U,
-    35U, 14U, 6U, 2U, 36U, 12U, 7U, 2U, 35U, 10U, 2U, 2U, 24U, 24U, 4U, 4U, 24U, 24U, 4U, 4U,
-    28U, 28U, 5U, 4U, 27U, 26U, 4U, 4U, 32U, 32U, 6U, 6U, 32U, 32U, 5U, 4U, 33U, 30U, 6U, 4U,
-    32U, 28U, 4U, 4U, 36U, 36U, 6U, 6U, 36U, 36U, 6U, 6U, 40U, 40U, 7U, 6U, 39U, 38U, 5U, 4U,
-    39U, 34U, 7U, 6U, 39U, 34U, 6U, 4U, 40U, 32U, 7U, 4U, 39U, 30U, 4U, 4U, 40U, 40U, 6U, 6U,
-    40U, 40U, 6U, 6U, 44U, 44U, 7U, 6U, 43U, 42U, 6U, 6U, 48U, 48U, 8U, 8U, 48U, 48U, 7U, 6U,
-    49U, 46U, 8U, 6U, 48U, 44U, 5U, 4U, 45U, 38U, 7U, 6U, 45U, 38U, 7U, 6U, 49U, 42U, 8U, 6U,
-    48U, 40U, 6U, 4U, 48U, 36U, 8U, 6U, 48U, 36U, 7U, 4U, 49U, 34U, 8U, 4U, 48U, 32U, 3U, 2U,
-    33U, 22U, 5U, 4U, 33U, 22U, 5U, 4U, 37U, 26U, 6U, 4U, 36U, 24U, 5U, 4U, 41U, 30U, 7U, 6U,
-    41U, 30U, 6U, 4U, 42U, 28U, 7U, 4U, 41U, 26U, 5U, 4U, 45U, 34U, 7U, 6U, 45U, 34U, 7U, 6U,
-    49U, 38U, 8U, 6U, 48U, 36U, 6U, 4U, 48U, 32U, 8U, 6U, 48U, 32U, 7U, 4U, 49U, 30U, 8U, 4U,
-    48U, 28U, 4U, 2U, 40U, 20U, 6U, 4U, 40U, 20U, 6U, 4U, 44U, 24U, 7U, 4U, 43U, 22U, 6U, 4U,
-    48U, 28U, 8U, 6U, 48U, 28U, 7U, 4U, 49U, 26U, 8U, 4U, 48U, 24U, 5U, 2U, 45U, 18U, 7U, 4U,
-    45U, 18U, 7U, 4U, 49U, 22U, 8U, 4U, 48U, 20U, 6U, 2U, 48U, 16U, 8U, 4U, 48U, 16U, 7U, 2U,
-    49U, 14U, 8U, 2U, 48U, 12U
 };
 
 nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t *out)
@@ -354,6 +250,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     const uint32_t left_d = left_at * 2U;
+    uint16_t left_mu[2];
+    left_mu[0U] = (uint16_t)(32768U - left_d);
+    left_mu[1U] = (uint16_t)left_d;
 
     /* front: degrees of S, M, B */
     uint32_t front_term = 0U;
@@ -368,6 +267,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     const uint32_t front_d = front_at * 2U;
+    uint16_t front_mu[2];
+    front_mu[0U] = (uint16_t)(32768U - front_d);
+    front_mu[1U] = (uint16_t)front_d;
 
     /* right: degrees of S, M, B */
     uint32_t right_term = 0U;
@@ -382,6 +284,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     const uint32_t right_d = right_at * 2U;
+    uint16_t right_mu[2];
+    right_mu[0U] = (uint16_t)(32768U - right_d);
+    right_mu[1U] = (uint16_t)right_d;
 
     /* target: degrees of L, C, R */
     uint32_t target_term = 0U;
@@ -402,284 +307,141 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     const uint32_t target_d = ((target_at * 93207U) + 29952U) >> 16U;
-
-    /* rules: the cell of the larger degrees, and how each smaller degree leaves it */
-    uint32_t cell = (left_term * 27U) + (front_term * 9U) + (right_term * 3U) + target_term;
-    uint32_t left_key = 0U;
-    if (left_d > 16384U) {
-        left_key = (32768U - left_d) * 65536U;
-        cell = cell + 27U;
-    } else {
-        left_key = (left_d * 65536U) + 54U;
+    uint16_t target_mu[2];
+    target_mu[0U] = (uint16_t)(32768U - target_d);
+    target_mu[1U] = (uint16_t)target_d;
+    uint16_t v_level[5];
+    for (uint32_t k = 0U; k < 5U; ++k) {
+        v_level[k] = 0U;
     }
 
-    uint32_t front_key = 0U;
-    if (front_d > 16384U) {
-        front_key = ((32768U - front_d) * 65536U) + 18U;
-        cell = cell + 9U;
-    } else {
-        front_key = (front_d * 65536U) + 36U;
+    uint16_t w_level[7];
+    for (uint32_t k_2 = 0U; k_2 < 7U; ++k_2) {
+        w_level[k_2] = 0U;
     }
 
-    uint32_t right_key = 0U;
-    if (right_d > 16384U) {
-        right_key = ((32768U - right_d) * 65536U) + 24U;
-        cell = cell + 3U;
-    } else {
-        right_key = (right_d * 65536U) + 30U;
-    }
-
-    uint32_t target_key = 0U;
-    if (target_d > 16384U) {
-        target_key = ((32768U - target_d) * 65536U) + 26U;
-        cell = cell + 1U;
-    } else {
-        target_key = (target_d * 65536U) + 28U;
-    }
-    if (left_key < right_key) {
-        const uint32_t kept = left_key;
-        left_key = right_key;
-        right_key = kept;
-    }
-    if (front_key < target_key) {
-        const uint32_t kept_2 = front_key;
-        front_key = target_key;
-        target_key = kept_2;
-    }
-    if (left_key < front_key) {
-        const uint32_t kept_3 = left_key;
-        left_key = front_key;
-        front_key = kept_3;
-    }
-    if (right_key < target_key) {
-        const uint32_t kept_4 = right_key;
-        right_key = target_key;
-        target_key = kept_4;
-    }
-    if (front_key < right_key) {
-        const uint32_t kept_5 = front_key;
-        front_key = right_key;
-        right_key = kept_5;
-    }
-
-    const uint32_t minor = left_key >> 16U;
-    const int32_t step = (int32_t)(left_key & 65535U) - 27;
-    const uint32_t minor_2 = front_key >> 16U;
-    const int32_t step_2 = (int32_t)(front_key & 65535U) - 27;
-    const uint32_t minor_3 = right_key >> 16U;
-    const int32_t step_3 = (int32_t)(right_key & 65535U) - 27;
-    const uint32_t minor_4 = target_key >> 16U;
-    const int32_t step_4 = (int32_t)(target_key & 65535U) - 27;
     uint32_t acting = 0U;
     uint32_t strongest = 0U;
-    const uint32_t majors = 32768U - minor;
-    const uint32_t terms = NAV_READ_U16(nav_velocity_rules, cell);
-    const uint32_t seen = terms;
-    const uint32_t cell_2 = (uint32_t)((int32_t)cell + step);
-    const uint32_t terms_2 = NAV_READ_U16(nav_velocity_rules, cell_2);
-    const uint32_t seen_2 = terms_2 | seen;
-    const uint32_t cell_3 = (uint32_t)((int32_t)cell + step_2);
-    const uint32_t cell_4 = (uint32_t)((int32_t)cell_3 + step);
-    const uint32_t terms_3 = (uint32_t)NAV_READ_U16(nav_velocity_rules,
-        cell_3) | NAV_READ_U16(nav_velocity_rules, cell_4);
-    const uint32_t seen_3 = terms_3 | seen_2;
-    const uint32_t cell_5 = (uint32_t)((int32_t)cell + step_3);
-    const uint32_t cell_6 = (uint32_t)((int32_t)cell_5 + step);
-    const uint32_t cell_7 = (uint32_t)((int32_t)cell_6 + step_2);
-    const uint32_t cell_8 = (uint32_t)((int32_t)cell_7 - step);
-    const uint32_t terms_4 = (((uint32_t)NAV_READ_U16(nav_velocity_rules,
-        cell_5) | NAV_READ_U16(nav_velocity_rules, cell_6)) | NAV_READ_U16(nav_velocity_rules,
-        cell_7)) | NAV_READ_U16(nav_velocity_rules, cell_8);
-    const uint32_t seen_4 = terms_4 | seen_3;
-    const uint32_t cell_9 = (uint32_t)((int32_t)cell + step_4);
-    const uint32_t cell_10 = (uint32_t)((int32_t)cell_9 + step);
-    const uint32_t cell_11 = (uint32_t)((int32_t)cell_10 + step_2);
-    const uint32_t cell_12 = (uint32_t)((int32_t)cell_11 - step);
-    const uint32_t cell_13 = (uint32_t)((int32_t)cell_12 + step_3);
-    const uint32_t cell_14 = (uint32_t)((int32_t)cell_13 + step);
-    const uint32_t cell_15 = (uint32_t)((int32_t)cell_14 - step_2);
-    const uint32_t cell_16 = (uint32_t)((int32_t)cell_15 - step);
-    const uint32_t terms_5 = (((((((uint32_t)NAV_READ_U16(nav_velocity_rules,
-        cell_9) | NAV_READ_U16(nav_velocity_rules, cell_10)) | NAV_READ_U16(nav_velocity_rules,
-        cell_11)) | NAV_READ_U16(nav_velocity_rules, cell_12)) | NAV_READ_U16(nav_velocity_rules,
-        cell_13)) | NAV_READ_U16(nav_velocity_rules, cell_14)) | NAV_READ_U16(nav_velocity_rules,
-        cell_15)) | NAV_READ_U16(nav_velocity_rules, cell_16);
-    const uint32_t seen_5 = terms_5 | seen_4;
 
-    /* from level to level, the strongest first: what the terms seen so far cover */
-    uint32_t v_area = 0U;
-    uint32_t v_moment = 0U;
-    uint32_t w_area = 0U;
-    uint32_t w_moment = 0U;
-    const uint32_t level_square = (majors * majors) >> 8U;
-    const uint32_t level_square_2 = (minor * minor) >> 8U;
-    const uint32_t drop = (majors - minor) << 8U;
-    const uint32_t drop_square = level_square - level_square_2;
-    const uint32_t v_row = (seen & 255U) * 4U;
-    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row) * drop)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row + 1U) * drop_square);
-    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row + 2U) * drop)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row + 3U) * drop_square);
-    const uint32_t w_row = (seen >> 8U) * 4U;
-    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row) * drop)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row + 1U) * drop_square);
-    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row + 2U) * drop)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row + 3U) * drop_square);
-    const uint32_t level_square_3 = (minor_2 * minor_2) >> 8U;
-    const uint32_t drop_2 = (minor - minor_2) << 8U;
-    const uint32_t drop_square_2 = level_square_2 - level_square_3;
-    const uint32_t v_row_2 = (seen_2 & 255U) * 4U;
-    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_2) * drop_2)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 1U) * drop_square_2);
-    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 2U) * drop_2)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_2 + 3U) * drop_square_2);
-    const uint32_t w_row_2 = (seen_2 >> 8U) * 4U;
-    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_2) * drop_2)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 1U) * drop_square_2);
-    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 2U) * drop_2)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_2 + 3U) * drop_square_2);
-    const uint32_t level_square_4 = (minor_3 * minor_3) >> 8U;
-    const uint32_t drop_3 = (minor_2 - minor_3) << 8U;
-    const uint32_t drop_square_3 = level_square_3 - level_square_4;
-    const uint32_t v_row_3 = (seen_3 & 255U) * 4U;
-    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_3) * drop_3)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 1U) * drop_square_3);
-    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 2U) * drop_3)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_3 + 3U) * drop_square_3);
-    const uint32_t w_row_3 = (seen_3 >> 8U) * 4U;
-    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_3) * drop_3)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 1U) * drop_square_3);
-    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 2U) * drop_3)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_3 + 3U) * drop_square_3);
-    const uint32_t level_square_5 = (minor_4 * minor_4) >> 8U;
-    const uint32_t drop_4 = (minor_3 - minor_4) << 8U;
-    const uint32_t drop_square_4 = level_square_4 - level_square_5;
-    const uint32_t v_row_4 = (seen_4 & 255U) * 4U;
-    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_4) * drop_4)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_4 + 1U) * drop_square_4);
-    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_4 + 2U) * drop_4)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_4 + 3U) * drop_square_4);
-    const uint32_t w_row_4 = (seen_4 >> 8U) * 4U;
-    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_4) * drop_4)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_4 + 1U) * drop_square_4);
-    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_4 + 2U) * drop_4)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_4 + 3U) * drop_square_4);
-    const uint32_t drop_5 = minor_4 << 8U;
-    const uint32_t drop_square_5 = level_square_5;
-    const uint32_t v_row_5 = (seen_5 & 255U) * 4U;
-    v_area = v_area + (NAV_READ_U8(nav_velocity_v_covers, v_row_5) * drop_5)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_5 + 1U) * drop_square_5);
-    v_moment = v_moment + (NAV_READ_U8(nav_velocity_v_covers, v_row_5 + 2U) * drop_5)
-        - (NAV_READ_U8(nav_velocity_v_covers, v_row_5 + 3U) * drop_square_5);
-    const uint32_t w_row_5 = (seen_5 >> 8U) * 4U;
-    w_area = w_area + (NAV_READ_U8(nav_velocity_w_covers, w_row_5) * drop_5)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_5 + 1U) * drop_square_5);
-    w_moment = w_moment + (NAV_READ_U8(nav_velocity_w_covers, w_row_5 + 2U) * drop_5)
-        - (NAV_READ_U8(nav_velocity_w_covers, w_row_5 + 3U) * drop_square_5);
-    const uint32_t owner = NAV_READ_U8(nav_velocity_owners, cell);
-    if ((majors > strongest) || ((majors == strongest) && (owner < acting))) {
-        acting = owner;
-        strongest = majors;
-    }
-    if (minor == majors) {
-        if (minor == majors) {
-            const uint32_t owner_2 = NAV_READ_U8(nav_velocity_owners, cell_2);
-            if ((minor > strongest) || ((minor == strongest) && (owner_2 < acting))) {
-                acting = owner_2;
-                strongest = minor;
-            }
-        }
-        if (minor_2 == majors) {
-            const uint32_t owner_3 = NAV_READ_U8(nav_velocity_owners, cell_3);
-            if ((minor_2 > strongest) || ((minor_2 == strongest) && (owner_3 < acting))) {
-                acting = owner_3;
-                strongest = minor_2;
-            }
-            const uint32_t owner_4 = NAV_READ_U8(nav_velocity_owners, cell_4);
-            if ((minor_2 > strongest) || ((minor_2 == strongest) && (owner_4 < acting))) {
-                acting = owner_4;
-                strongest = minor_2;
-            }
-        }
-        if (minor_3 == majors) {
-            const uint32_t owner_5 = NAV_READ_U8(nav_velocity_owners, cell_5);
-            if ((minor_3 > strongest) || ((minor_3 == strongest) && (owner_5 < acting))) {
-                acting = owner_5;
-                strongest = minor_3;
-            }
-            const uint32_t owner_6 = NAV_READ_U8(nav_velocity_owners, cell_6);
-            if ((minor_3 > strongest) || ((minor_3 == strongest) && (owner_6 < acting))) {
-                acting = owner_6;
-                strongest = minor_3;
-            }
-            const uint32_t owner_7 = NAV_READ_U8(nav_velocity_owners, cell_7);
-            if ((minor_3 > strongest) || ((minor_3 == strongest) && (owner_7 < acting))) {
-                acting = owner_7;
-                strongest = minor_3;
-            }
-            const uint32_t owner_8 = NAV_READ_U8(nav_velocity_owners, cell_8);
-            if ((minor_3 > strongest) || ((minor_3 == strongest) && (owner_8 < acting))) {
-                acting = owner_8;
-                strongest = minor_3;
-            }
-        }
-        if (minor_4 == majors) {
-            const uint32_t owner_9 = NAV_READ_U8(nav_velocity_owners, cell_9);
-            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_9 < acting))) {
-                acting = owner_9;
-                strongest = minor_4;
-            }
-            const uint32_t owner_10 = NAV_READ_U8(nav_velocity_owners, cell_10);
-            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_10 < acting))) {
-                acting = owner_10;
-                strongest = minor_4;
-            }
-            const uint32_t owner_11 = NAV_READ_U8(nav_velocity_owners, cell_11);
-            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_11 < acting))) {
-                acting = owner_11;
-                strongest = minor_4;
-            }
-            const uint32_t owner_12 = NAV_READ_U8(nav_velocity_owners, cell_12);
-            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_12 < acting))) {
-                acting = owner_12;
-                strongest = minor_4;
-            }
-            const uint32_t owner_13 = NAV_READ_U8(nav_velocity_owners, cell_13);
-            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_13 < acting))) {
-                acting = owner_13;
-                strongest = minor_4;
-            }
-            const uint32_t owner_14 = NAV_READ_U8(nav_velocity_owners, cell_14);
-            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_14 < acting))) {
-                acting = owner_14;
-                strongest = minor_4;
-            }
-            const uint32_t owner_15 = NAV_READ_U8(nav_velocity_owners, cell_15);
-            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_15 < acting))) {
-                acting = owner_15;
-                strongest = minor_4;
-            }
-            const uint32_t owner_16 = NAV_READ_U8(nav_velocity_owners, cell_16);
-            if ((minor_4 > strongest) || ((minor_4 == strongest) && (owner_16 < acting))) {
-                acting = owner_16;
-                strongest = minor_4;
+    /* rules: every cell of the active terms */
+    const uint32_t cell = (left_term * 27U) + (front_term * 9U) + (right_term * 3U) + target_term;
+    for (uint32_t i = 0U; i < 2U; ++i) {
+        const uint32_t left_s = left_mu[i];
+        const uint32_t left_cell = cell + (i * 27U);
+        if (left_s > 0U) {
+            for (uint32_t j = 0U; j < 2U; ++j) {
+                const uint32_t front_d_2 = front_mu[j];
+                const uint32_t front_s = (left_s < front_d_2) ? left_s : front_d_2;
+                const uint32_t front_cell = left_cell + (j * 9U);
+                if (front_s > 0U) {
+                    for (uint32_t k_3 = 0U; k_3 < 2U; ++k_3) {
+                        const uint32_t right_d_2 = right_mu[k_3];
+                        const uint32_t right_s = (front_s < right_d_2) ? front_s : right_d_2;
+                        const uint32_t right_cell = front_cell + (k_3 * 3U);
+                        if (right_s > 0U) {
+                            for (uint32_t l = 0U; l < 2U; ++l) {
+                                const uint32_t target_d_2 = target_mu[l];
+                                const uint32_t target_s = (right_s < target_d_2) ? right_s
+                                    : target_d_2;
+                                const uint32_t target_cell = right_cell + l;
+                                if (target_s > 0U) {
+                                    const uint32_t v_term =
+                                        NAV_READ_U8(nav_velocity_v_rules, target_cell);
+                                    if (target_s > v_level[v_term]) {
+                                        v_level[v_term] = (uint16_t)target_s;
+                                    }
+                                    const uint32_t w_term =
+                                        NAV_READ_U8(nav_velocity_w_rules, target_cell);
+                                    if (target_s > w_level[w_term]) {
+                                        w_level[w_term] = (uint16_t)target_s;
+                                    }
+                                    const uint32_t owner =
+                                        NAV_READ_U8(nav_velocity_owners, target_cell);
+                                    if ((target_s > strongest)
+                                        || ((target_s == strongest) && (owner < acting))) {
+                                        acting = owner;
+                                        strongest = target_s;
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
             }
         }
     }
 
     out->acting = (uint8_t)acting;
 
-    /* centroid of v */
-    const uint32_t v_a = v_area >> 2U;
-    const uint32_t v_m = v_moment >> 5U;
-    const uint32_t v_t = nav_quotient_3(v_m, v_a);
+    /* centroid of v: area and moment of the union of the clipped terms */
+    uint32_t v_area = 0U;
+    uint32_t v_moment = 0U;
+    uint32_t v_overlap = 0U;
+    uint32_t v_moment_off = 0U;
+    for (uint32_t k_4 = 0U; k_4 < 5U; ++k_4) {
+        const uint32_t v_h = v_level[k_4];
+        if (v_h > 0U) {
+            const uint32_t v_square = (v_h * v_h) >> 8U;
+            const uint32_t v_part = (v_h << 8U) - v_square;
+            v_area = v_area + (v_part * 2U);
+            v_moment = v_moment + (v_part * (k_4 * 4U));
+        }
+    }
+    for (uint32_t k_5 = 0U; k_5 < 4U; ++k_5) {
+        uint32_t v_h_2 = v_level[k_5];
+        const uint32_t v_h_3 = v_level[k_5 + 1U];
+        if (v_h_3 < v_h_2) {
+            v_h_2 = v_h_3;
+        }
+        if (v_h_2 > 0U) {
+            const uint32_t v_c = (v_h_2 < 16384U) ? v_h_2 : 16384U;
+            const uint32_t v_square_2 = (v_c * v_c) >> 8U;
+            const uint32_t v_part_2 = (v_c << 8U) - (v_square_2 * 2U);
+            v_overlap = v_overlap + v_part_2;
+            v_moment_off = v_moment_off + (v_part_2 * ((k_5 * 2U) + 1U));
+        }
+    }
+
+    const uint32_t v_m = (v_moment > v_moment_off) ? (v_moment - v_moment_off) : 0U;
+    const uint32_t v_a = ((v_area > v_overlap) ? (v_area - v_overlap) : 0U) >> 2U;
+    const uint32_t v_m_2 = v_m >> 5U;
+    const uint32_t v_t = nav_quotient_2(v_m_2, v_a);
     const uint32_t v_steps = ((v_t * 45875U) + 62259U) >> 16U;
     out->v = (uint16_t)v_steps;
 
-    /* centroid of w */
-    const uint32_t w_a = (w_area * 12U) >> 6U;
-    const uint32_t w_m = w_moment >> 6U;
-    const uint32_t w_t = nav_quotient_3(w_m, w_a);
+    /* centroid of w: area and moment of the union of the clipped terms */
+    uint32_t w_area = 0U;
+    uint32_t w_moment = 0U;
+    uint32_t w_overlap = 0U;
+    uint32_t w_moment_off = 0U;
+    for (uint32_t k_6 = 0U; k_6 < 7U; ++k_6) {
+        const uint32_t w_h = w_level[k_6];
+        if (w_h > 0U) {
+            const uint32_t w_square = (w_h * w_h) >> 8U;
+            const uint32_t w_part = (w_h << 8U) - w_square;
+            w_area = w_area + (w_part * 2U);
+            w_moment = w_moment + (w_part * (k_6 * 4U));
+        }
+    }
+    for (uint32_t k_7 = 0U; k_7 < 6U; ++k_7) {
+        uint32_t w_h_2 = w_level[k_7];
+        const uint32_t w_h_3 = w_level[k_7 + 1U];
+        if (w_h_3 < w_h_2) {
+            w_h_2 = w_h_3;
+        }
+        if (w_h_2 > 0U) {
+            const uint32_t w_c = (w_h_2 < 16384U) ? w_h_2 : 16384U;
+            const uint32_t w_square_2 = (w_c * w_c) >> 8U;
+            const uint32_t w_part_2 = (w_c << 8U) - (w_square_2 * 2U);
+            w_overlap = w_overlap + w_part_2;
+            w_moment_off = w_moment_off + (w_part_2 * ((k_7 * 2U) + 1U));
+        }
+    }
+
+    const uint32_t w_m = (w_moment > w_moment_off) ? (w_moment - w_moment_off) : 0U;
+    const uint32_t w_a = (((w_area > w_overlap) ? (w_area - w_overlap) : 0U) * 12U) >> 6U;
+    const uint32_t w_m_2 = w_m >> 6U;
+    const uint32_t w_t = nav_quotient_2(w_m_2, w_a);
     const uint32_t w_scaled = w_t * 39322U;
     const uint32_t w_steps = ((w_scaled > 13107U) ? (w_scaled - 13107U) : 0U) >> 16U;
     out->w = (int16_t)((int32_t)((w_steps < 39320U) ? w_steps : 39320U) - 19660);
@@ -745,7 +507,7 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
 
         /* danger_1: danger */
         const uint32_t danger_1_eta_t_den = speed * 120U;
-        const uint32_t danger_1_eta_t = nav_quotient_2(gap_3, danger_1_eta_t_den);
+        const uint32_t danger_1_eta_t = nav_quotient(gap_3, danger_1_eta_t_den);
         const uint32_t danger_1_eta_t_zero_den = speed * 20U;
         const uint32_t danger_1_eta_t_2 = ((gap_3 == 0U) && (danger_1_eta_t_zero_den == 0U))
             ? 65536U : danger_1_eta_t;

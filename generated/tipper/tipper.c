@@ -11,68 +11,16 @@
 #error "tipper.c and tipper.h do not belong together: generate both in one run"
 #endif
 
-/* Tables lie in program memory, also where that is apart from data memory. */
-#if defined(__AVR__)
-#include <avr/pgmspace.h>
-#define TIPPER_TABLE PROGMEM
-#define TIPPER_READ_U8(table, index) ((uint8_t)pgm_read_byte(&(table)[(index)]))
-#else
-#define TIPPER_TABLE
-#define TIPPER_READ_U8(table, index) ((table)[(index)])
-#endif
-
-/* 2^21 / top at the middle of each 512 numbers from top = 2^13 up. */
-static const uint8_t tipper_reciprocals[113] TIPPER_TABLE = {
-    248U, 234U, 221U, 210U, 200U, 191U, 182U, 174U, 167U, 161U, 155U, 149U, 144U, 139U, 134U,
-    130U, 126U, 122U, 119U, 115U, 112U, 109U, 106U, 104U, 101U, 99U, 96U, 94U, 92U, 90U, 88U,
-    86U, 84U, 83U, 81U, 80U, 78U, 77U, 75U, 74U, 72U, 71U, 70U, 69U, 68U, 67U, 66U, 65U, 64U,
-    63U, 62U, 61U, 60U, 59U, 58U, 57U, 56U, 56U, 55U, 54U, 54U, 53U, 52U, 52U, 51U, 50U, 50U,
-    49U, 48U, 48U, 47U, 47U, 46U, 46U, 45U, 45U, 44U, 44U, 43U, 43U, 42U, 42U, 42U, 41U, 41U,
-    40U, 40U, 40U, 39U, 39U, 38U, 38U, 38U, 37U, 37U, 37U, 36U, 36U, 36U, 35U, 35U, 35U, 35U,
-    34U, 34U, 34U, 33U, 33U, 33U, 33U, 32U, 32U, 32U
-};
-
-/* floor(num * 2^16 / den) where num < den, else 2^16; den <= 2^24.
- * A reciprocal, from the table and bettered by Newton's method, gives the quotient by 8 bits at once: never
- * too much, and too little by so little that the rest stays below twice the divisor. */
+/* floor(num * 2^16 / den) by two digits of 8 bits where num < den, else 2^16; den < 2^24. */
 static uint32_t tipper_quotient(uint32_t num, uint32_t den)
 {
     uint32_t digits = 65536U;
 
     if (num < den) {
-        uint32_t rest = num;
-        uint32_t divisor = den;
+        const uint32_t first = (num << 8U) / den;
+        const uint32_t rest = (num << 8U) - (first * den);
 
-        if (divisor < 4096U) {
-            divisor = divisor << 12U;
-            rest = rest << 12U;
-        }
-        if (divisor < 262144U) {
-            divisor = divisor << 6U;
-            rest = rest << 6U;
-        }
-        if (divisor < 2097152U) {
-            divisor = divisor << 3U;
-            rest = rest << 3U;
-        }
-
-        const uint32_t guess = TIPPER_READ_U8(tipper_reciprocals, (divisor >> 17U) - 16U);
-        const uint32_t inverse = (guess * (4194048U - ((divisor >> 8U) * guess))) >> 10U;
-        uint32_t digit = ((rest >> 9U) * inverse) >> 23U;
-
-        rest = (rest << 8U) - (digit * divisor);
-        if (rest >= divisor) {
-            rest = rest - divisor;
-            digit = digit + 1U;
-        }
-        digits = digit;
-
-        digit = ((rest >> 9U) * inverse) >> 23U;
-        rest = (rest << 8U) - (digit * divisor);
-        digits = (digits << 8U) + digit;
-        if (rest >= divisor) {
-            digits = digits + 1U;
-        }
+        digits = (first << 8U) + ((rest << 8U) / den);
     }
     return digits;
 }

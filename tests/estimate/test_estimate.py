@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
 import pytest
 
 from fuzzyspec import load
@@ -18,6 +20,7 @@ from fuzzyspec.fixed.division import kernel_of
 from fuzzyspec.fixed.program import Division, Local, Quotient
 from fuzzyspec.lower import Options
 from fuzzyspec.lower.strategy import Target
+from scripts.fit_costs import alive, fit, tell
 
 ROOT = Path(__file__).resolve().parents[2]
 OPTIONS: tuple[Option, ...] = get_args(Option)
@@ -109,3 +112,26 @@ def test_a_callee_is_part_of_its_caller() -> None:
     assert nav.instructions > 6 * danger.instructions + velocity.instructions
     assert nav.flash > velocity.flash
     assert nav.stack > velocity.stack
+
+
+def test_the_page_states_the_errors_that_the_weights_carry() -> None:
+    """docs/cost.md is written by the same run as the weights."""
+    page = (ROOT / "docs" / "cost.md").read_text()
+    data = json.loads((ROOT / "fuzzyspec" / "estimate" / "weights.json").read_text())
+    assert tell(page, data["machines"]) == page
+
+
+def test_a_fit_finds_the_weights_that_figures_were_made_of() -> None:
+    """Figures that are sums of two features give these back, though one of them was measured wrong."""
+    given = [{"add.32": float(a), "entry": 1.0} for a in range(1, 40)]
+    wanted = np.array([3.0 * f["add.32"] + 20 for f in given])
+    wanted[7] *= 4
+    found = fit(given, wanted, wanted)
+    assert found["add.32"] == pytest.approx(3, rel=0.03)
+    assert found["entry"] == pytest.approx(20, rel=0.03)
+
+
+def test_programs_that_a_compiler_drops_are_told() -> None:
+    """One that does ten times what others do for the same cost."""
+    given = [{"add.32": 100.0}] * 9 + [{"add.32": 1000.0}]
+    assert alive(given, np.full(10, 300.0)).tolist() == [True] * 9 + [False]
