@@ -44,42 +44,6 @@ static uint32_t nav_quotient(uint32_t num, uint32_t den)
     return digits;
 }
 
-/* floor(num * 2^16 / den) by long division where num < den, else 2^16; den < 2^31. Each round is four steps. */
-static uint32_t nav_quotient_2(uint32_t num, uint32_t den)
-{
-    uint32_t digits = 65536U;
-
-    if (num < den) {
-        uint32_t rest = num;
-
-        digits = 0U;
-        for (uint_fast8_t rounds = 4U; rounds > 0U; --rounds) {
-            digits = digits << 4U;
-            rest = rest << 1U;
-            if (rest >= den) {
-                rest = rest - den;
-                digits = digits + 8U;
-            }
-            rest = rest << 1U;
-            if (rest >= den) {
-                rest = rest - den;
-                digits = digits + 4U;
-            }
-            rest = rest << 1U;
-            if (rest >= den) {
-                rest = rest - den;
-                digits = digits + 2U;
-            }
-            rest = rest << 1U;
-            if (rest >= den) {
-                rest = rest - den;
-                digits = digits + 1U;
-            }
-        }
-    }
-    return digits;
-}
-
 nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
 {
     nav_status_t status = NAV_OK;
@@ -250,9 +214,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     const uint32_t left_d = left_at * 2U;
-    uint16_t left_mu[2];
-    left_mu[0U] = (uint16_t)(32768U - left_d);
-    left_mu[1U] = (uint16_t)left_d;
+    uint32_t left_mu[2];
+    left_mu[0U] = 32768U - left_d;
+    left_mu[1U] = left_d;
 
     /* front: degrees of S, M, B */
     uint32_t front_term = 0U;
@@ -267,9 +231,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     const uint32_t front_d = front_at * 2U;
-    uint16_t front_mu[2];
-    front_mu[0U] = (uint16_t)(32768U - front_d);
-    front_mu[1U] = (uint16_t)front_d;
+    uint32_t front_mu[2];
+    front_mu[0U] = 32768U - front_d;
+    front_mu[1U] = front_d;
 
     /* right: degrees of S, M, B */
     uint32_t right_term = 0U;
@@ -284,9 +248,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     const uint32_t right_d = right_at * 2U;
-    uint16_t right_mu[2];
-    right_mu[0U] = (uint16_t)(32768U - right_d);
-    right_mu[1U] = (uint16_t)right_d;
+    uint32_t right_mu[2];
+    right_mu[0U] = 32768U - right_d;
+    right_mu[1U] = right_d;
 
     /* target: degrees of L, C, R */
     uint32_t target_term = 0U;
@@ -307,9 +271,9 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     }
 
     const uint32_t target_d = ((target_at * 93207U) + 29952U) >> 16U;
-    uint16_t target_mu[2];
-    target_mu[0U] = (uint16_t)(32768U - target_d);
-    target_mu[1U] = (uint16_t)target_d;
+    uint32_t target_mu[2];
+    target_mu[0U] = 32768U - target_d;
+    target_mu[1U] = target_d;
     uint16_t v_level[5];
     for (uint32_t k = 0U; k < 5U; ++k) {
         v_level[k] = 0U;
@@ -405,7 +369,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     const uint32_t v_m = (v_moment > v_moment_off) ? (v_moment - v_moment_off) : 0U;
     const uint32_t v_a = ((v_area > v_overlap) ? (v_area - v_overlap) : 0U) >> 2U;
     const uint32_t v_m_2 = v_m >> 5U;
-    const uint32_t v_t = nav_quotient_2(v_m_2, v_a);
+    const uint32_t v_t = nav_quotient(v_m_2, v_a);
     const uint32_t v_steps = ((v_t * 45875U) + 62259U) >> 16U;
     out->v = (uint16_t)v_steps;
 
@@ -441,7 +405,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     const uint32_t w_m = (w_moment > w_moment_off) ? (w_moment - w_moment_off) : 0U;
     const uint32_t w_a = (((w_area > w_overlap) ? (w_area - w_overlap) : 0U) * 12U) >> 6U;
     const uint32_t w_m_2 = w_m >> 6U;
-    const uint32_t w_t = nav_quotient_2(w_m_2, w_a);
+    const uint32_t w_t = nav_quotient(w_m_2, w_a);
     const uint32_t w_scaled = w_t * 39322U;
     const uint32_t w_steps = ((w_scaled > 13107U) ? (w_scaled - 13107U) : 0U) >> 16U;
     out->w = (int16_t)((int32_t)((w_steps < 39320U) ? w_steps : 39320U) - 19660);
