@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -11,7 +12,7 @@ from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.program import AssignElement, Define, DefineArray, Element, Local, Loop, Stmt
 from fuzzyspec.fixed.prune import expressions, nodes, statements
 from fuzzyspec.lower.module import Options, lower
-from fuzzyspec.lower.strategy import Target
+from fuzzyspec.lower.strategy import Goal, Target
 
 ROOT = Path(__file__).resolve().parents[2]
 SPECS = sorted((*ROOT.glob("examples/*.fz"), *ROOT.glob("benchmarks/*.fz")))
@@ -36,7 +37,8 @@ def test_the_narrowest_types_on_a_machine_of_8_bits() -> None:
     found = [
         local
         for path in SPECS
-        for function in lower(load(path).module, Options(target="avr")).program.functions
+        for goal in get_args(Goal)
+        for function in lower(load(path).module, Options(optimize=goal, target="avr")).program.functions
         for local in locals_of(function.body)
     ]
     for local in found:
