@@ -30,7 +30,7 @@ class Forecast:
     """One limit of a function on one machine, and the model's figures for it.
 
     ``typical`` is the mean of a call, ``most`` the longest path through it; a size is both. ``spread``: the relative
-    error that nine in ten estimates keep to, ``worst``: the largest that was seen.
+    error that nine in ten estimates keep to, ``worst``: the largest seen on any machine.
     """
 
     function: str
@@ -73,12 +73,16 @@ def forecasts(
 
 
 def _errors(limit: Budget, machine: Machine, option: Option) -> tuple[float, float]:
-    """How far nine in ten estimates were off, and the worst; RAM is known, not estimated."""
-    if limit.quantity == "ram":
+    """How far nine in ten estimates were off on a machine, and the worst on any; RAM is known, not estimated.
+
+    Some machines were measured on few specs, so that the worst that was seen there says little.
+    """
+    quantity = limit.quantity
+    if quantity == "ram":
         return 0.0, 0.0
-    by = weights(machine, option, limit.quantity)
-    assert by is not None
-    return by.nine_in_ten, by.worst
+    own = weights(machine, option, quantity)
+    assert own is not None
+    return own.nine_in_ten, max(by.worst for m in MACHINES if (by := weights(m, option, quantity)) is not None)
 
 
 def _figures(found: Estimate, limit: Budget) -> tuple[float, float]:

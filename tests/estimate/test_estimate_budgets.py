@@ -15,7 +15,7 @@ from fuzzyspec.diagnostics.diagnostic import Span
 from fuzzyspec.estimate import budgets as judging
 from fuzzyspec.estimate.budgets import Forecast, Verdict, findings, forecasts
 from fuzzyspec.estimate.model import Estimate
-from fuzzyspec.estimate.weights import Weights
+from fuzzyspec.estimate.weights import Weights, weights
 from fuzzyspec.lower import Options
 from fuzzyspec.model.budget import MACHINES, TOLD_ON, Budget, Machine, Quantity
 
@@ -133,6 +133,15 @@ def test_the_shipped_model_has_a_figure_for_every_limit(machine: Machine) -> Non
     for f in found:
         assert (0 < f.typical <= f.most and 0 < f.spread <= f.worst) or f.limit.quantity == "ram"
         assert f.verdict == "kept"
+
+
+def test_the_worst_is_that_of_all_machines() -> None:
+    """A machine that was measured on few specs does not pass for exact."""
+    loaded = load(spec("stack <= 6 kB"))
+    found = loaded.forecasts(Options())
+    of_machines = [weights(f.machine, "O2", "stack") for f in found]
+    assert {f.worst for f in found} == {max(by.worst for by in of_machines if by is not None)}
+    assert [f.spread for f in found] == [by.nine_in_ten for by in of_machines if by is not None]
 
 
 # --- what is told ----------------------------------------------------------------------------
