@@ -125,7 +125,7 @@ class Code:
 
     def width_of(self, address: int) -> int:
         """How many states are told apart: more in the library, whose divisions keep marks in their operands."""
-        return 8 if address in self._library else 1
+        return 8 if address in self._library else 2
 
     def start(self, image: Image, function: str) -> State:
         """The state at a call: its arguments point to the probe's objects, of which only pointers are known."""

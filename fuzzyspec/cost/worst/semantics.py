@@ -325,8 +325,12 @@ def _part(condition: Condition, value: Value, other: Value, bits: int) -> Value 
             return value
 
 
+_MOST_STATES = 2
+"""How many states are told apart behind guarded instructions."""
+
+
 def run(instructions: Sequence[Instruction], state: State) -> list[State]:
-    """The states after a straight run of instructions; two where it ends amid guarded ones."""
+    """The states after a straight run of instructions: told apart by the conditions of guarded ones."""
     states, guarded = [state], 0
     for instruction in instructions:
         if instruction.guards:
@@ -338,7 +342,8 @@ def run(instructions: Sequence[Instruction], state: State) -> list[State]:
         if guarded == 0:
             for one in states:
                 one.assumed = None
-            states = [reduce(joined, states)]
+            if len(states) > _MOST_STATES:
+                states = [reduce(joined, states)]
     return states
 
 
