@@ -95,6 +95,8 @@ def _placed(given: Input) -> Counts:
     """Load a raw, saturate it, find its piece among the terms', and scale it to a degree."""
     raw = given.variable.raw
     sides = (raw.lo > _LEAST[raw.ctype]) + (raw.hi < _MOST[raw.ctype])
+    if not sides:  # a mask and a shift may do
+        return {"load": 1, "add": 2, "values": 1}
     pieces = max(1, len(given.terms) - 1)
     return {"load": 1, "test": sides + ceil(log2(pieces)), "add": 2, "multiply": 1, "values": 1}
 
