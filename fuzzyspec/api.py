@@ -17,7 +17,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path, PurePath
 from types import MappingProxyType
@@ -74,10 +75,21 @@ class Evaluation:
 class Spec:
     """A spec that was found good, and everything that can be made of it. Made by ``load``."""
 
-    def __init__(self, source: Source, module: Module, warnings: tuple[Diagnostic, ...]) -> None:
+    def __init__(
+        self, source: Source, module: Module, warnings: tuple[Diagnostic, ...], tolerance: Fraction | None = None
+    ) -> None:
         self.source = source
         self.module = module
         self.warnings = warnings
+        self.tolerance = tolerance
+
+    def within(self, percent: Fraction | str | int | None) -> Spec:
+        """The same spec, with outputs that may be off by so much of their range, in percent, as far as it is certified.
+
+        What is made of it then computes with fewer bits where that keeps to it; None asks for full precision. Raises
+        ValueError where ``percent`` is no number; what lowers the spec, SpecError where no program keeps to it.
+        """
+        return Spec(self.source, self.module, self.warnings, None if percent is None else Fraction(percent))
 
     @property
     def name(self) -> str:
@@ -163,7 +175,7 @@ class Spec:
         from fuzzyspec.emit import emit
         from fuzzyspec.lower import Options
 
-        chosen = Options() if options is None else options
+        chosen = self._tolerant(Options() if options is None else options)
         return emit(self.module, self.lower(chosen), self.source, chosen)
 
     def certificate(self, function: str) -> Certificate:
@@ -182,7 +194,7 @@ class Spec:
         from fuzzyspec.lower import LoweringError, lower
 
         try:
-            return lower(self.module, options)
+            return lower(self.module, self._tolerant(options))
         except LoweringError as error:
             raise SpecError(self.source, error.diagnostics) from error
 
@@ -221,8 +233,6 @@ class Spec:
         ``raw``, raws. ``progress`` is called with cases done, cases planned and the function's name. Raises MissingTool
         where there is no C compiler, ScenarioError for a bad recording, OSError for a file that cannot be read.
         """
-        from dataclasses import replace
-
         from fuzzyspec.verify import Options, TheirC, read_scenario, verify
 
         for name in only:
@@ -251,6 +261,9 @@ class Spec:
         raise Refusal(f"{self.name} holds neither a system nor a controller")
 
     # --- inside ---------------------------------------------------------------------------------
+
+    def _tolerant(self, options: LowerOptions) -> LowerOptions:
+        return options if options.tolerance is not None else replace(options, tolerance=self.tolerance)
 
     @cached_property
     def _subjects(self) -> tuple[Subject, ...]:

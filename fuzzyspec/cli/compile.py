@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fuzzyspec.cli.spec import spec_path
+from fuzzyspec.cli.spec import percent, spec_path
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -57,6 +57,13 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         default="stop",
         help="where the cost model finds a budget of the spec broken: write nothing, or warn and write (default: stop)",
     )
+    parser.add_argument(
+        "--tolerance",
+        metavar="PERCENT",
+        type=percent,
+        help="an error of every output that you can live with, in percent of its range: where it can be certified, "
+        "fewer bits are computed",
+    )
     parser.add_argument("--format", choices=("text", "json"), default="text")
     parser.set_defaults(run=run)
 
@@ -71,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     as_json = arguments.format == "json"
     options = Options(arguments.bounds, arguments.optimize, arguments.target)
-    spec = load(arguments.file)
+    spec = load(arguments.file).within(arguments.tolerance)
     lowered = spec.lower(options)
     forecasts = spec.forecasts(options, lowered)
     over = _over_budget(spec, options, forecasts)
@@ -82,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise SpecError(spec.source, found)
     if not as_json:
         terminal.print_diagnostics(found, spec.source)
-    plan = emit(spec.module, lowered, spec.source, options)
+    plan = emit(spec.module, lowered, spec.source, replace(options, tolerance=spec.tolerance))
     old = stale(plan, arguments.directory) if arguments.check else []
     if not arguments.check:
         write(plan, arguments.directory)
@@ -136,7 +143,7 @@ def _print_certificates(lowered: Lowered) -> None:
 
 
 def _told(found: OutputBound, variable: Variable) -> tuple[str, str, str]:
-    from fuzzyspec.emit.numerals import upper
+    from fuzzyspec.diagnostics.numerals import upper
 
     if found.error is None:
         return "none", "", found.reason
@@ -146,7 +153,7 @@ def _told(found: OutputBound, variable: Variable) -> tuple[str, str, str]:
 
 def _number(bound: Fraction | None) -> float | None:
     """Six digits, rounded up."""
-    from fuzzyspec.emit.numerals import upper
+    from fuzzyspec.diagnostics.numerals import upper
 
     return None if bound is None else float(upper(bound, 6))
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from fuzzyspec.cli.spec import spec_path
+from fuzzyspec.cli.spec import percent, spec_path
 
 
 def register(subparsers: Any) -> None:
@@ -29,6 +29,13 @@ def register(subparsers: Any) -> None:
     parser.add_argument("--cases", metavar="N", type=_natural, help="random cases a function, besides the aimed ones")
     parser.add_argument("--worst", action="store_true", help="also print where each output's error was largest")
     parser.add_argument("--no-sanitize", action="store_true", help="leave out the build under sanitizers")
+    parser.add_argument(
+        "--tolerance",
+        metavar="PERCENT",
+        type=percent,
+        help="an error of every output that you can live with, in percent of its range: where it can be certified, "
+        "fewer bits are computed",
+    )
     parser.add_argument("--format", choices=("text", "json"), default="text", help="what is printed")
     parser.set_defaults(run=run)
 
@@ -41,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.raw and arguments.scenario is None:
         raise Refusal("--raw says how to read a scenario", "give --scenario too")
-    spec = api.load(arguments.file)
+    spec = api.load(arguments.file).within(arguments.tolerance)
     known = list(spec.functions)
     for name in arguments.only:
         if name not in known:

@@ -332,4 +332,14 @@ CODES: tuple[Code, ...] = (
 
         Let fewer terms of the output overlap at one place. In a partition only neighbours do. """,
     ),
+    explained(
+        "FZ452",
+        "certified error beyond the tolerance",
+        """
+        `--tolerance` says what error of every output, in percent of its range, can be lived with. Not even the program
+        of full precision is certified to stay within it, or no error could be certified at all.
+
+        Allow more, or give the inputs and the output finer raws, or try `--bounds thorough`: the derivation may
+        certify less than it did. A system's outputs carry the errors of all that leads to them. """,
+    ),
 )

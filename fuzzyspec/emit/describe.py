@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from fuzzyspec.emit.numerals import exact, upper
+from fuzzyspec.diagnostics.numerals import exact, upper
 from fuzzyspec.fixed.certificate import Band, Certificate, OutputBound
 from fuzzyspec.fixed.program import Port, StatePort
 from fuzzyspec.model.variable import Variable

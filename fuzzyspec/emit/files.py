@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import asdict, fields
+from fractions import Fraction
 from pathlib import PurePath
 from typing import Any, Protocol
 
@@ -12,6 +13,7 @@ import jinja2
 
 from fuzzyspec.check.reachable import reach
 from fuzzyspec.diagnostics.diagnostic import Source
+from fuzzyspec.diagnostics.numerals import exact
 from fuzzyspec.emit.cprinter import reader_name
 from fuzzyspec.emit.describe import interval
 from fuzzyspec.emit.header import Told, sections, status_base
@@ -109,7 +111,7 @@ def describe_options(options: object) -> str:
     if options is None:
         return "none"
     chosen: Mapping[str, object] = asdict(options)  # type: ignore[call-overload]
-    return ", ".join(f"{name} {_words(value)}" for name, value in chosen.items() if value != ()) or "none"
+    return ", ".join(f"{name} {_words(value)}" for name, value in chosen.items() if value not in ((), None)) or "none"
 
 
 def _words(value: object) -> str:
@@ -117,6 +119,8 @@ def _words(value: object) -> str:
     match value:
         case tuple():
             return ("; " if isinstance(value[0], tuple) else " ").join(_words(v) for v in value)
+        case Fraction():
+            return f"{exact(value)} %"
         case dict():
             return " ".join(f"{k} {v}" for k, v in value.items())
         case _:

@@ -23,7 +23,7 @@ from fuzzyspec.lower.levels import applies as levels_apply
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
 from fuzzyspec.lower.multilinear import ways
-from fuzzyspec.lower.strategy import Goal, Interpolation, Rules, Strategy, Target, Widths
+from fuzzyspec.lower.strategy import Goal, Interpolation, Precision, Rules, Strategy, Target, Widths
 from fuzzyspec.lower.widths import fit_widths
 from fuzzyspec.model.controller import Controller
 
@@ -79,7 +79,7 @@ def strategies(controller: Controller) -> tuple[Strategy, ...]:
     return tuple(Strategy(*s) for s in product(rules_of(controller), interpolations, get_args(Division)))
 
 
-def choose(controller: Controller, goal: Goal, target: Target) -> Candidate:
+def choose(controller: Controller, goal: Goal, target: Target, precision: Precision = "full") -> Candidate:
     """The controller by the strategy that serves the goal.
 
     One field of the strategy after the other, in declared order, is set to what comes out cheapest with the others as
@@ -91,7 +91,7 @@ def choose(controller: Controller, goal: Goal, target: Target) -> Candidate:
         return unseen(of.profile.code), weigh(of.profile, goal, target)
 
     possible = strategies(controller)
-    best = _first(controller, possible, target)
+    best = _first(controller, possible, target, precision)
     least = cost(best)
     for field in fields(Strategy):
         anchor = best.strategy
@@ -99,7 +99,7 @@ def choose(controller: Controller, goal: Goal, target: Target) -> Candidate:
             if strategy == anchor or replace(strategy, **{field.name: getattr(anchor, field.name)}) != anchor:
                 continue
             try:
-                tried = candidate(controller, strategy, target)
+                tried = candidate(controller, strategy, target, precision)
             except RangeError:
                 continue
             if cost(tried) < least:
@@ -107,19 +107,19 @@ def choose(controller: Controller, goal: Goal, target: Target) -> Candidate:
     return best
 
 
-def candidate(controller: Controller, strategy: Strategy, target: Target) -> Candidate:
+def candidate(controller: Controller, strategy: Strategy, target: Target, precision: Precision = "full") -> Candidate:
     """The controller by one strategy. Raises RangeError and TooManySets where its integers do not go into 32 bits."""
-    return Candidate(strategy, *lower_controller(controller, strategy), target)
+    return Candidate(strategy, *lower_controller(controller, strategy, precision), target)
 
 
-def _first(controller: Controller, possible: tuple[Strategy, ...], target: Target) -> Candidate:
+def _first(controller: Controller, possible: tuple[Strategy, ...], target: Target, precision: Precision) -> Candidate:
     """The first strategy that fits 32 bits. Raises RangeError of the last where none does."""
     for strategy in possible[:-1]:
         try:
-            return candidate(controller, strategy, target)
+            return candidate(controller, strategy, target, precision)
         except RangeError:
             continue
-    return candidate(controller, possible[-1], target)
+    return candidate(controller, possible[-1], target, precision)
 
 
 def weigh(found: Profile, goal: Goal, target: Target) -> float:

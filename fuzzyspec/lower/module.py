@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Literal, get_args
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
+from fuzzyspec.diagnostics.numerals import exact, upper
 from fuzzyspec.estimate.profile import profile
 from fuzzyspec.fixed.build import RangeError
 from fuzzyspec.fixed.certificate import Band, Certificate, OutputBound
@@ -18,7 +19,7 @@ from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
 from fuzzyspec.lower.choice import WIDTHS, Candidate, candidate, choose, weigh
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
 from fuzzyspec.lower.controller import ControllerNumbers
-from fuzzyspec.lower.strategy import Goal, Strategy, Target
+from fuzzyspec.lower.strategy import Goal, Precision, Strategy, Target
 from fuzzyspec.lower.system import CallBounds, Certify, SystemNumbers, lower_system
 from fuzzyspec.lower.widths import fit_widths
 from fuzzyspec.model.controller import Controller
@@ -34,13 +35,15 @@ class Options:
 
     ``optimize``: what the strategies are chosen for, ``target``: the machine. Every choice computes the same
     integers, and its C runs bit-exact on every machine. ``explicit``: strategies by name of a controller or a system
-    (which only divides), instead of those that would be chosen.
+    (which only divides), instead of those that would be chosen. ``tolerance``: the certified error of every output, in
+    percent of its range, that lets controllers be of few bits.
     """
 
     bounds: Literal["quick", "thorough"] = "quick"
     optimize: Goal = "balanced"
     target: Target = "generic"
     explicit: tuple[tuple[str, Strategy], ...] = ()
+    tolerance: Fraction | None = None
 
     def strategy_of(self, name: str) -> Strategy | None:
         """The strategy that was asked for, if any."""
@@ -76,8 +79,39 @@ class LoweringError(Exception):
 
 
 def lower(module: Module, options: Options | None = None) -> Lowered:
-    """Lower a checked module. Raises LoweringError with every function that does not fit."""
+    """Lower a checked module. Raises LoweringError with every function that does not fit, or whose certified errors
+    are beyond the tolerance."""
     chosen = Options() if options is None else options
+    if chosen.tolerance is None:
+        return _lowered(module, chosen, frozenset(c.name for c in module.controllers))
+    calls = {s.name: frozenset(c.controller.name for c in s.calls) for s in module.systems}
+    full: frozenset[str] = frozenset()
+    while True:
+        lowered = _lowered(module, chosen, full)
+        beyond = outside(lowered, chosen.tolerance)
+        more = frozenset(n for function in beyond for n in calls.get(function, {function})) - full
+        if not beyond:
+            return lowered
+        if not more:
+            named: dict[str, Controller | System] = {c.name: c for c in module.controllers}
+            named |= {s.name: s for s in module.systems}
+            raise LoweringError(
+                tuple(_intolerable(named[f], o, chosen.tolerance) for f, found in beyond.items() for o in found)
+            )
+        full |= more
+
+
+def outside(lowered: Lowered, tolerance: Fraction) -> dict[str, list[OutputBound]]:
+    """By function, the outputs whose certified error is beyond a tolerance in percent of the range, or unknown."""
+    found = {
+        name: [o for o in c.outputs if o.percent_of_range is None or o.percent_of_range > tolerance]
+        for name, c in lowered.certificates.items()
+    }
+    return {name: outputs for name, outputs in found.items() if outputs}
+
+
+def _lowered(module: Module, chosen: Options, full: frozenset[str]) -> Lowered:
+    """The module with the controllers of ``full`` at full precision, the others at the short one."""
     alone, called = EFFORTS[chosen.bounds]
     functions: dict[str, Function] = {}
     numbers: dict[str, ControllerNumbers] = {}
@@ -86,7 +120,7 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     problems: list[Diagnostic] = []
     for controller in module.controllers:
         try:
-            taken = _controller(controller, chosen)
+            taken = _controller(controller, chosen, "full" if controller.name in full else "short")
         except (RangeError, TooManySets) as error:
             problems.append(_diagnostic(controller, error))
             continue
@@ -121,11 +155,11 @@ def lower(module: Module, options: Options | None = None) -> Lowered:
     return Lowered(Program(module.name, fitted, narrow=widths == "narrow"), certificates)
 
 
-def _controller(controller: Controller, options: Options) -> Candidate:
+def _controller(controller: Controller, options: Options, precision: Precision) -> Candidate:
     strategy = options.strategy_of(controller.name)
     if strategy is not None:
-        return candidate(controller, strategy, options.target)
-    return choose(controller, options.optimize, options.target)
+        return candidate(controller, strategy, options.target, precision)
+    return choose(controller, options.optimize, options.target, precision)
 
 
 def _system(
@@ -187,6 +221,19 @@ def _upwards(error: Fraction, span: Fraction) -> Fraction:
     """The error rounded up to a decimal with three digits of the range's percentage that matter."""
     unit = span / 10**9
     return -(-error // unit) * unit
+
+
+def _intolerable(item: Controller | System, output: OutputBound, tolerance: Fraction) -> Diagnostic:
+    asked = exact(tolerance)
+    found = "no error can be certified"
+    if output.percent_of_range is not None:
+        found = f"the certified error is {upper(output.percent_of_range)} % of its range"
+    return Diagnostic(
+        "FZ452",
+        f"`{item.name}.{output.output}` is asked to stay within {asked} %, but {found}",
+        item.span,
+        help="give a larger `--tolerance`, finer raws, or `--bounds thorough`, which may certify less",
+    )
 
 
 def _diagnostic(item: Controller | System, error: Exception) -> Diagnostic:

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyspec.diagnostics.diagnostic import Span
+from fuzzyspec.diagnostics.numerals import exact, nearest, upper
 from fuzzyspec.emit.conversion import conversion
 from fuzzyspec.emit.layout import COLUMNS, code, comment
-from fuzzyspec.emit.numerals import exact, nearest, upper
 from fuzzyspec.model.units import Unit
 from fuzzyspec.model.variable import RAW_LIMITS, CType, Raw, Variable
 from fuzzyspec.native import find_toolchain
