@@ -29,7 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent
 SEED, RANDOM, SYSTEMS = 800, 40, 12
 """Of random specs: the first seed, how many controllers, how many specs with systems."""
 DIVISIONS: Mapping[Widths, tuple[Division, ...]] = {
-    "words": ("rounds", "newton", "reciprocal", "hardware"),
+    "words": ("loop", "rounds", "newton", "reciprocal", "hardware"),
     "narrow": ("loop", "unrolled"),
 }
 """How the programs for machines of 32 bits and for AVR divide. What the other ways take is known without them

@@ -115,6 +115,7 @@ def _lowered(module: Module, chosen: Options, full: frozenset[str]) -> Lowered:
     alone, called = EFFORTS[chosen.bounds]
     functions: dict[str, Function] = {}
     numbers: dict[str, ControllerNumbers] = {}
+    divisions: dict[str, Division] = {}
     prepared: dict[str, Means] = {}
     certificates: dict[str, Certificate] = {}
     problems: list[Diagnostic] = []
@@ -126,6 +127,7 @@ def _lowered(module: Module, chosen: Options, full: frozenset[str]) -> Lowered:
             continue
         found = taken.numbers
         functions[controller.name] = taken.function
+        divisions[controller.name] = taken.strategy.division
         numbers[controller.name] = found
         prepared[controller.name] = means(found)
         certificates[controller.name] = _of_controller(controller, found, alone, chosen, prepared[controller.name])
@@ -142,7 +144,7 @@ def _lowered(module: Module, chosen: Options, full: frozenset[str]) -> Lowered:
         if any(c.controller.name not in functions for c in system.calls):
             continue
         try:
-            function, system_numbers = _system(system, functions, certify, chosen)
+            function, system_numbers = _system(system, functions, certify, divisions, chosen)
         except RangeError as error:
             problems.append(_diagnostic(system, error))
             continue
@@ -163,10 +165,17 @@ def _controller(controller: Controller, options: Options, precision: Precision) 
 
 
 def _system(
-    system: System, functions: dict[str, Function], certify: Certify, options: Options
+    system: System,
+    functions: dict[str, Function],
+    certify: Certify,
+    divisions: dict[str, Division],
+    options: Options,
 ) -> tuple[Function, SystemNumbers]:
-    """The system with the quotients that cost least, where it has any."""
+    """The system with the quotients of its controllers, which the C then holds once; without any, those that cost
+    least."""
     strategy = options.strategy_of(system.name)
+    if strategy is None and system.calls:
+        return lower_system(system, functions, certify, divisions[system.calls[-1].controller.name])
     best = lower_system(system, functions, certify, Strategy().division if strategy is None else strategy.division)
     divides = any(isinstance(n, Quotient) for e in expressions(best[0].body) for n in nodes(e))
     if strategy is not None or not divides:
@@ -174,9 +183,8 @@ def _system(
 
     def cost(function: Function) -> float:
         widths = WIDTHS[options.target]
-        called = [functions[c.controller.name] for c in system.calls]
-        fitted = tuple(fit_widths(f, widths) for f in (*dict.fromkeys(called), function))
-        return weigh(profile(Program("choice", fitted), function.name), options.optimize, options.target)
+        program = Program("choice", (fit_widths(function, widths),))
+        return weigh(profile(program, function.name), options.optimize, options.target)
 
     others = [lower_system(system, functions, certify, by) for by in get_args(Division) if by != Strategy().division]
     return min((best, *others), key=lambda tried: cost(tried[0]))
