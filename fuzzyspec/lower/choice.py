@@ -43,10 +43,10 @@ class Weighing:
 GOALS: Mapping[Goal, Weighing] = {
     "speed": Weighing(1, 1 / 8, ("O2",)),
     "balanced": Weighing(1, 1, ("O2", "Os")),
-    "size": Weighing(7 / 8, 1, ("Os",)),
+    "size": Weighing(1 / 8, 1, ("Os",)),
 }
-"""Twice the flash must buy 8 % of the time where speed is asked for; twice the time must save 45 % of the flash, as it is
-built for size, where size is; and either is worth the other in between."""
+"""Twice the flash must buy 8 % of the time where speed is asked for; twice the time must save 8 % of the flash where
+size is; and either is worth the other in between."""
 
 
 @dataclass(frozen=True)
