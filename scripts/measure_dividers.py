@@ -28,6 +28,7 @@ ALONE: dict[str, tuple[Division, int, int]] = {
     "newton.4": ("newton", 2**26, 2**27),
     "reciprocal.8": ("reciprocal", 2**20, 2**23),
     "reciprocal.4": ("reciprocal", 2**24, 2**27),
+    "hardware.16": ("hardware", 2**13, 2**16 - 1),
     "hardware.8": ("hardware", 2**20, 2**24 - 1),
     "hardware.4": ("hardware", 2**24, 2**28 - 1),
 }

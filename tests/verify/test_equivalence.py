@@ -10,6 +10,7 @@ import pytest
 
 from fuzzyspec import api
 from fuzzyspec.exact.rational import membership
+from fuzzyspec.lower import Options as LowerOptions
 from fuzzyspec.verify import Options, Report, TheirC, as_json, as_text, verify
 from fuzzyspec.verify.cases import batches
 from tests.verify import verify_specs
@@ -23,8 +24,8 @@ def spec(name: str) -> api.Spec:
 
 
 def verify_edited(loaded: api.Spec, edit: Edit, cases: int = 2000, seconds: float = 20.0) -> Report:
-    """Verify a C file that somebody edited."""
-    files = loaded.compile().files
+    """Verify a C file that somebody edited, of loops and tables."""
+    files = loaded.compile(LowerOptions(optimize="size")).files
     source = files[f"{loaded.name}.c"].decode()
     edited = edit(source)
     assert edited != source

@@ -10,6 +10,7 @@ import pytest
 from fuzzyspec import api
 from fuzzyspec.cli.main import main
 from fuzzyspec.emit import write
+from fuzzyspec.lower import Options
 from tests.verify import verify_specs
 
 FEW = ["--cases", "500"]
@@ -17,12 +18,12 @@ FEW = ["--cases", "500"]
 
 @pytest.fixture
 def small(tmp_path: Path) -> Path:
-    """A spec on disk, in a folder with a space in its name, and its C beside it."""
+    """A spec on disk, in a folder with a space in its name, and its C beside it, of loops and tables."""
     folder = tmp_path / "my specs"
     folder.mkdir()
     path = folder / "small.fz"
     path.write_text(verify_specs.DANGER, encoding="utf-8")
-    write(api.load(path).compile(), folder)
+    write(api.load(path).compile(Options(optimize="size")), folder)
     return path
 
 
