@@ -71,3 +71,15 @@ def test_links_lead_somewhere() -> None:
         if not (page.parent / target).exists()
     ]
     assert dead == []
+
+
+def test_costs_are_those_of_the_benchmarks() -> None:
+    """Every figure beside the lookup table is the one that `make bench` wrote last."""
+    page = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (w[23]): (.+?) \| (.+) \|$", README, re.MULTILINE)
+    assert len(rows) == 6
+    for workload, what, figures in rows:
+        m0, m4, avr, flash, error, certified = figures.split(" | ")
+        shown = re.escape(f"| {workload.upper()} | {what} | {m0} | {m4} | ") + ".*? " + re.escape(f"| {avr} | ")
+        shown += ".*? " + re.escape(f"| {flash.removesuffix(' B')} | {error} | {certified} |")
+        assert re.search(f"^{shown}$", page, re.MULTILINE), (workload, what)
