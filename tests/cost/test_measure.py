@@ -144,7 +144,7 @@ def test_writing_to_a_table_is_a_fault() -> None:
     with pytest.raises(EmulationError):
         record_of(
             "cortex-m0plus",
-            "static const uint16_t t[2] = { 1U, 2U }; @ *(uint16_t *)(uintptr_t)&t[in->x & 1U] = 5U;"
+            "static const uint16_t t[2] = { 1U, 2U }; @ *(volatile uint16_t *)(uintptr_t)&t[in->x & 1U] = 5U;"
             " out->z = t[in->y & 1]; return 0U;",
         )
 
