@@ -77,8 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
     from fuzzyspec.lower import Options
 
     as_json = arguments.format == "json"
-    options = Options(arguments.bounds, arguments.optimize, arguments.target)
-    spec = load(arguments.file).within(arguments.tolerance)
+    options = Options(arguments.bounds, arguments.optimize, arguments.target, tolerance=arguments.tolerance)
+    spec = load(arguments.file)
     lowered = spec.lower(options)
     forecasts = spec.forecasts(options, lowered)
     over = _over_budget(spec, options, forecasts)
@@ -89,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise SpecError(spec.source, found)
     if not as_json:
         terminal.print_diagnostics(found, spec.source)
-    plan = emit(spec.module, lowered, spec.source, replace(options, tolerance=spec.tolerance))
+    plan = emit(spec.module, lowered, spec.source, options)
     old = stale(plan, arguments.directory) if arguments.check else []
     if not arguments.check:
         write(plan, arguments.directory)
