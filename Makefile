@@ -51,7 +51,7 @@ generated: .venv/for-test ## bring generated/ up to date with the examples, and 
 bench: .venv/for-bench ## measure cost and error beside lookup tables, float C and libraries; write docs/benchmarks.md
 	@$(BIN)/python -m benchmarks --json out/benchmarks.json
 
-fit: .venv/for-test ## measure what has changed of the cost model's training set, and fit its weights: a quarter of an hour
+fit: .venv/for-test ## measure what has changed of the cost model's training set, and fit its weights: minutes
 	@$(BIN)/python -m scripts.fit_costs
 
 clean: ## remove what make made, .venv too
