@@ -65,8 +65,10 @@ class _Block:
                 assert upper is not None
                 if wanted.which == "upper":
                     return upper
-                rest = self.bind("rest", build.sub(Const(DEGREE_ONE), upper))
-                return rest if wanted.which == "lower" else self.bind("larger", build.greatest(upper, rest))
+                if wanted.which == "lower":
+                    return self.bind("rest", build.sub(Const(DEGREE_ONE), upper))
+                rest = self.strength(Degree(wanted.input, "lower"), name)
+                return self.bind("larger", build.greatest(upper, rest))
             case Lower():
                 return self.bind(name, build.least(self.strength(wanted.left, name), self.strength(wanted.right, name)))
             case Higher():

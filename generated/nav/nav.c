@@ -81,12 +81,11 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         if (eta_d_term == 0U) {
             /* between the peaks of TS TM, DS DM */
             const uint32_t ddc_M_6 = (eta_t_d < eta_d_d) ? eta_t_d : eta_d_d;
-            const uint32_t rest_8 = 32768U - eta_t_d;
-            const uint32_t rest_9 = 32768U - eta_d_d;
-            const uint32_t larger_4 = (eta_d_d > rest_9) ? eta_d_d : rest_9;
-            const uint32_t ddc_B_3 = (rest_8 < larger_4) ? rest_8 : larger_4;
-            const uint32_t rest_10 = 32768U - eta_d_d;
-            const uint32_t ddc_B_4 = (eta_t_d < rest_10) ? eta_t_d : rest_10;
+            const uint32_t rest_7 = 32768U - eta_t_d;
+            const uint32_t rest_8 = 32768U - eta_d_d;
+            const uint32_t larger_4 = (eta_d_d > rest_8) ? eta_d_d : rest_8;
+            const uint32_t ddc_B_3 = (rest_7 < larger_4) ? rest_7 : larger_4;
+            const uint32_t ddc_B_4 = (eta_t_d < rest_8) ? eta_t_d : rest_8;
             const uint32_t ddc_B_5 = (ddc_B_3 > ddc_B_4) ? ddc_B_3 : ddc_B_4;
             const uint32_t ddc_M_square_4 = (ddc_M_6 * ddc_M_6) >> 8U;
             const uint32_t ddc_B_square_3 = (ddc_B_5 * ddc_B_5) >> 8U;
@@ -103,11 +102,11 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
             }
         } else {
             /* between the peaks of TS TM, DM DB */
-            const uint32_t rest_6 = 32768U - eta_d_d;
-            const uint32_t larger_3 = (eta_d_d > rest_6) ? eta_d_d : rest_6;
+            const uint32_t rest_5 = 32768U - eta_d_d;
+            const uint32_t larger_3 = (eta_d_d > rest_5) ? eta_d_d : rest_5;
             const uint32_t ddc_M_5 = (eta_t_d < larger_3) ? eta_t_d : larger_3;
-            const uint32_t rest_7 = 32768U - eta_t_d;
-            const uint32_t ddc_B_2 = (rest_7 < larger_3) ? rest_7 : larger_3;
+            const uint32_t rest_6 = 32768U - eta_t_d;
+            const uint32_t ddc_B_2 = (rest_6 < larger_3) ? rest_6 : larger_3;
             const uint32_t ddc_M_square_3 = (ddc_M_5 * ddc_M_5) >> 8U;
             const uint32_t ddc_B_square_2 = (ddc_B_2 * ddc_B_2) >> 8U;
             if (ddc_M_5 < ddc_B_2) {
@@ -124,11 +123,11 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         }
     } else if (eta_d_term == 0U) {
         /* between the peaks of TM TB, DS DM */
-        const uint32_t rest_4 = 32768U - eta_t_d;
-        const uint32_t larger_2 = (eta_t_d > rest_4) ? eta_t_d : rest_4;
+        const uint32_t rest_3 = 32768U - eta_t_d;
+        const uint32_t larger_2 = (eta_t_d > rest_3) ? eta_t_d : rest_3;
         const uint32_t ddc_M_4 = (larger_2 < eta_d_d) ? larger_2 : eta_d_d;
-        const uint32_t rest_5 = 32768U - eta_d_d;
-        const uint32_t ddc_B = (larger_2 < rest_5) ? larger_2 : rest_5;
+        const uint32_t rest_4 = 32768U - eta_d_d;
+        const uint32_t ddc_B = (larger_2 < rest_4) ? larger_2 : rest_4;
         const uint32_t ddc_M_square_2 = (ddc_M_4 * ddc_M_4) >> 8U;
         const uint32_t ddc_B_square = (ddc_B * ddc_B) >> 8U;
         if (ddc_M_4 < ddc_B) {
@@ -149,8 +148,7 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         const uint32_t rest_2 = 32768U - eta_d_d;
         const uint32_t larger = (eta_d_d > rest_2) ? eta_d_d : rest_2;
         const uint32_t ddc_M = (rest < larger) ? rest : larger;
-        const uint32_t rest_3 = 32768U - eta_d_d;
-        const uint32_t ddc_M_2 = (eta_t_d < rest_3) ? eta_t_d : rest_3;
+        const uint32_t ddc_M_2 = (eta_t_d < rest_2) ? eta_t_d : rest_2;
         const uint32_t ddc_M_3 = (ddc_M > ddc_M_2) ? ddc_M : ddc_M_2;
         const uint32_t ddc_S_square = (ddc_S * ddc_S) >> 8U;
         const uint32_t ddc_M_square = (ddc_M_3 * ddc_M_3) >> 8U;
