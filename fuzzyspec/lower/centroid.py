@@ -96,30 +96,41 @@ def centroid(
     negative = [f for f in forms if f.sign < 0]
     tables: list[Table] = []
     body: list[Stmt] = [Comment(f"centroid of {name}: area and moment of the union of the clipped terms")]
-    sums: dict[str, Local] = {}
-    moves_down = any(_lowers(f) for f in forms)
-    wanted = ["area", "moment"] + (["overlap"] if negative else []) + (["moment_off"] if negative or moves_down else [])
-    for part in wanted:
-        sums[part] = Local(scope.name(f"{name}_{part}"), "uint32", 0, build.UINT32_MAX)
-        body.append(Define(sums[part], Const(0), False))
+    sums = declared_sums(output, forms, body, scope)
     for group in (*_groups(positive), *_groups(negative)):
         steps, more = _group(group, even, levels, scale, sums, scope, name)
         body += steps
         tables += more
-    area: Expr = sums["area"]
-    if negative:
-        area = build.above(area, sums["overlap"])
-    moment: Expr = sums["moment"]
-    if "moment_off" in sums:
-        moment = build.above(moment, sums["moment_off"])
-        bound = Local(scope.name(f"{name}_m"), "uint32", 0, build.UINT32_MAX)
-        body.append(Define(bound, moment, True))
-        moment = bound
+    area, moment = differences(output, sums, body, scope)
     if even is not None:
         steps, raw, found_numbers = even_mean(output, even, area, moment, division, scope, fires)
     else:
         steps, raw, found_numbers = any_mean(output, forms, area, moment, division, scope, fires)
     return body + steps, raw, tables, found_numbers
+
+
+def declared_sums(output: Output, forms: tuple[ClippedSet, ...], body: list[Stmt], scope: Scope) -> dict[str, Local]:
+    """Append the statements that declare what the sets add up to: ``area`` and ``moment``, and where some set is taken
+    off, ``overlap`` and ``moment_off``."""
+    negative = any(f.sign < 0 for f in forms)
+    names = ["area", "moment"] + (["overlap"] if negative else [])
+    if negative or any(_lowers(f) for f in forms):
+        names.append("moment_off")
+    sums = {n: Local(scope.name(f"{output.name}_{n}"), "uint32", 0, build.UINT32_MAX) for n in names}
+    body += [Define(s, Const(0), False) for s in sums.values()]
+    return sums
+
+
+def differences(output: Output, sums: dict[str, Local], body: list[Stmt], scope: Scope) -> tuple[Expr, Expr]:
+    """Area and moment of the union: what was added less what was taken off."""
+    area: Expr = sums["area"]
+    if "overlap" in sums:
+        area = build.above(area, sums["overlap"])
+    if "moment_off" not in sums:
+        return area, sums["moment"]
+    moment = Local(scope.name(f"{output.name}_m"), "uint32", 0, build.UINT32_MAX)
+    body.append(Define(moment, build.above(sums["moment"], sums["moment_off"]), True))
+    return area, moment
 
 
 def any_mean(

@@ -120,11 +120,12 @@ def fire_levels(
         body.append(squared)
         fresh: Local = seen
         if i:
-            body += _covered(sums, reached[i - 1][1], levels[-1], (strength, squared.local), scope)
-            value = build.bits_xor(seen, reached[i - 1][1])
+            last = reached[i - 1][1]
+            body += _covered(sums, last, levels[-1], (strength, squared.local), scope)
+            value = build.bits_xor(seen, last)
             fresh = build.local(scope.name("fresh"), value, ctype="uint32")
-        ends = _ends(sums, fresh, strength, squared.local, scope)
-        body += [Define(fresh, value, True), *ends] if ends and i else ends
+            body.append(Define(fresh, value, True))
+        body += _ends(sums, fresh, strength, squared.local, scope)
         levels.append((strength, squared.local))
     body += _covered(sums, reached[-1][1], levels[-1], (Const(0), Const(0)), scope)
     if owners is not None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Assign, Branch, Const, Define, Division, Expr, Local, Stmt
-from fuzzyspec.lower.centroid import CentroidNumbers, any_mean, even_mean, weight_of
+from fuzzyspec.lower.centroid import CentroidNumbers, any_mean, declared_sums, differences, even_mean, weight_of
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
 from fuzzyspec.lower.even import Bits, EvenOutput, cube, even_output, square
 from fuzzyspec.lower.lines import DEGREE_ONE
@@ -26,22 +26,17 @@ class Union:
     output: Output
     even: EvenOutput | None
     forms: tuple[ClippedSet, ...]
-    sums: list[Local]
+    sums: dict[str, Local]
 
     @staticmethod
     def of(output: Output, precision: Precision, body: list[Stmt], scope: Scope) -> Union:
         """Append the statements that declare the sums. Raises TooManySets."""
         even, forms = even_output(output, precision), clipped_sets(output)
-        names = ["area", "moment"]
-        if even is None and any(f.sign < 0 for f in forms):
-            names += ["overlap", "moment_off"]
-        elif even is None and any(f.moment_sign < 0 for f in forms):
-            names += ["moment_off"]
-        hi = build.UINT32_MAX
-        sums = [Local(scope.name(f"{output.name}_{n}"), "uint32", 0, hi) for n in names]
-        if even is not None:
-            sums[0] = build.local(sums[0].name, Const(0), ctype="uint32", hi=even.domain << even.bits.area)
-        body += [Define(s, Const(0), False) for s in sums]
+        if even is None:
+            return Union(output, None, forms, declared_sums(output, forms, body, scope))
+        tops = {"area": even.domain << even.bits.area, "moment": build.UINT32_MAX}
+        sums = {n: Local(scope.name(f"{output.name}_{n}"), "uint32", 0, hi) for n, hi in tops.items()}
+        body += [Define(s, Const(0), False) for s in sums.values()]
         return Union(output, even, forms, sums)
 
     def at(self, heights: dict[int, Local], scope: Scope) -> list[Stmt]:
@@ -53,17 +48,9 @@ class Union:
     def mean(self, division: Division, fires: bool, scope: Scope) -> tuple[list[Stmt], Expr, CentroidNumbers]:
         """The raw; ``fires``: some height is at least 1/2."""
         if self.even is not None:
-            return even_mean(self.output, self.even, self.sums[0], self.sums[1], division, scope, fires)
-        area: Expr = self.sums[0]
-        moment: Expr = self.sums[1]
+            return even_mean(self.output, self.even, self.sums["area"], self.sums["moment"], division, scope, fires)
         body: list[Stmt] = []
-        if len(self.sums) == 4:
-            area = build.above(area, self.sums[2])
-        if len(self.sums) > 2:
-            moment = build.above(moment, self.sums[-1])
-            bound = Local(scope.name(f"{self.output.name}_m"), "uint32", 0, build.UINT32_MAX)
-            body.append(Define(bound, moment, True))
-            moment = bound
+        area, moment = differences(self.output, self.sums, body, scope)
         steps, raw, numbers = any_mean(self.output, self.forms, area, moment, division, scope, fires)
         return body + steps, raw, numbers
 
@@ -108,7 +95,9 @@ MOST_BRANCHES = 2
 """Overlaps whose lower term is asked for by a branch each; of more, the lower height is computed."""
 
 
-def _even(output: Output, even: EvenOutput, heights: dict[int, Local], sums: list[Local], scope: Scope) -> list[Stmt]:
+def _even(
+    output: Output, even: EvenOutput, heights: dict[int, Local], sums: dict[str, Local], scope: Scope
+) -> list[Stmt]:
     body: list[Stmt] = []
     bits = even.bits
     pairs = [k for k in even.met if k in heights and k + 1 in heights]
@@ -156,22 +145,22 @@ def _even(output: Output, even: EvenOutput, heights: dict[int, Local], sums: lis
         for k, (height, squared_) in lower.items():
             area.add(-1, height, squared_, 2)
             moment.add(-even.peaks[k] - 1, height, squared_, 2)
-        return [Assign(sums[0], area.expr(sums[0].hi)), Assign(sums[1], moment.expr(build.UINT32_MAX))]
+        return [Assign(s, linear.expr(s.hi)) for s, linear in ((sums["area"], area), (sums["moment"], moment))]
 
     return body + settled({})
 
 
 def _any(
-    output: Output, forms: tuple[ClippedSet, ...], heights: dict[int, Local], sums: list[Local], scope: Scope
+    output: Output, forms: tuple[ClippedSet, ...], heights: dict[int, Local], sums: dict[str, Local], scope: Scope
 ) -> list[Stmt]:
     """Inclusion-exclusion over the sets of these terms that overlap."""
     scale = scale_of(forms)
     body: list[Stmt] = []
     lows: dict[tuple[int, ...], Local] = {(k,): h for k, h in heights.items()}
-    totals: list[Expr] = [Const(0)] * len(sums)
+    totals: dict[str, Expr] = dict.fromkeys(sums, Const(0))
 
-    def add(i: int, value: Expr) -> None:
-        totals[i] = build.capped(build.add_bounded(totals[i], value, build.UINT32_MAX), build.UINT32_MAX)
+    def add(into: str, value: Expr) -> None:
+        totals[into] = build.add_bounded(totals[into], value, build.UINT32_MAX)
 
     for form in forms:
         if not set(form.members) <= set(heights):
@@ -184,11 +173,11 @@ def _any(
         found = evaluate(form, scale, lows[form.members], scope, name)
         body += found.steps
         down = form.sign < 0
-        add(2 if down else 0, found.area)
+        add("overlap" if down else "area", found.area)
         weight = weight_of(form, scale)
         if weight:
             part = build.mul(found.area, Const(weight)) if scale.exact else build.mul_high(found.area, Const(weight))
-            add(-1 if down else 1, part)
+            add("moment_off" if down else "moment", part)
         if found.moment is not None:
-            add(1 if form.sign * form.moment_sign > 0 else -1, found.moment)
-    return body + [Assign(s, build.capped(t, s.hi)) for s, t in zip(sums, totals, strict=True)]
+            add("moment" if form.sign * form.moment_sign > 0 else "moment_off", found.moment)
+    return body + [Assign(local, totals[name]) for name, local in sums.items()]
