@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fuzzyspec.cost.elf import read_elf
-from fuzzyspec.cost.emulate import EmulationError
-from fuzzyspec.cost.harness import print_avr_harness
-from fuzzyspec.cost.image import Image
-from fuzzyspec.cost.stream import case_size, decode, encode, result_size
+from fuzzyspec.machines.elf import read_elf
+from fuzzyspec.machines.emulate import EmulationError
+from fuzzyspec.machines.harness import print_avr_harness
+from fuzzyspec.machines.image import Image
+from fuzzyspec.machines.stream import case_size, decode, encode, result_size
 from fuzzyspec.native.layout import Result, layout_of
 
 Ints = npt.NDArray[np.int64]

@@ -9,13 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzzyspec.cost.avr import measure_avr, simavr_is_here
-from fuzzyspec.cost.emulate import Emulation
-from fuzzyspec.cost.image import Image
-from fuzzyspec.cost.toolchains import CrossCompiler
+from fuzzyspec.cost.counter import measure_calls
 from fuzzyspec.cost.worst import Bound, derive
 from fuzzyspec.estimate.inputs import draw_cases
 from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.fixed.run import Run, run
+from fuzzyspec.machines.emulate import Emulation
+from fuzzyspec.machines.image import Image
+from fuzzyspec.machines.toolchains import CrossCompiler
 from fuzzyspec.native.layout import Result
 
 Ints = npt.NDArray[np.int64]
@@ -161,7 +162,7 @@ def _measure_image(
         instructions = cycles = None
         stack: int | None = None
         if emulation is not None:
-            calls = emulation.measure(name, tried.inputs, tried.state)
+            calls = measure_calls(emulation, name, tried.inputs, tried.state)
             result, instructions, cycles, stack = calls.result, calls.instructions, calls.cycles, calls.stack
         elif simavr_is_here():
             timed = measure_avr(image, name, tried.inputs, tried.state, long_calls=conditions.long_calls)

@@ -6,8 +6,8 @@ import shutil
 
 import pytest
 
-from fuzzyspec.cost.toolchains import TARGETS, CrossCompiler, Kind, find_compiler
 from fuzzyspec.diagnostics.refusal import MissingTool
+from fuzzyspec.machines.toolchains import TARGETS, CrossCompiler, Kind, find_compiler
 
 PLAIN = """\
 module plain

@@ -7,8 +7,8 @@ import pytest
 
 from fuzzyspec import load
 from fuzzyspec.cost import Conditions, Emulation, EmulationError, Image, Record, measure
-from fuzzyspec.cost.toolchains import Kind
 from fuzzyspec.fixed.run import run
+from fuzzyspec.machines.toolchains import Kind
 from tests.cost.cost_specs import KEEPING, PLAIN, compiler_for, stand_in
 
 BUILDS: list[tuple[str, Kind | None]] = [

@@ -9,8 +9,8 @@ import pytest
 from fuzzyspec import load
 from fuzzyspec.cost import Conditions, Record, measure
 from fuzzyspec.cost.limit import limit
-from fuzzyspec.cost.toolchains import Kind
 from fuzzyspec.lower import Options
+from fuzzyspec.machines.toolchains import Kind
 from fuzzyspec.model.controller import Controller
 from tests.cost.cost_specs import compiler_for
 

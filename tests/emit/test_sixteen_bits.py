@@ -12,13 +12,13 @@ import pytest
 
 from fuzzyspec import load
 from fuzzyspec.cost.avr import measure_avr, simavr_is_here
-from fuzzyspec.cost.image import Image
-from fuzzyspec.cost.toolchains import TARGETS, find_compiler
 from fuzzyspec.estimate.inputs import draw_cases
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Const, Define, Function, Local, Port, Program, ReadPort, SetOutput
 from fuzzyspec.fixed.run import run
 from fuzzyspec.lower import Options
+from fuzzyspec.machines.image import Image
+from fuzzyspec.machines.toolchains import TARGETS, find_compiler
 from fuzzyspec.native import NativeModule
 from tests.emit.emit_random import scalar_program
 from tests.emit.test_emit_c import BUILDS, WIDTHS, cases, compiles, plan_of

@@ -6,9 +6,6 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from fuzzyspec.cost.elf import Binary
-from fuzzyspec.cost.harness import pointer_symbol
-from fuzzyspec.cost.image import Image
 from fuzzyspec.cost.worst.avr import SP as AVR_SP
 from fuzzyspec.cost.worst.avr import decode_avr, words
 from fuzzyspec.cost.worst.code import Call, Decode, Expr, Instruction, Jump, Pair, Reg
@@ -19,6 +16,9 @@ from fuzzyspec.cost.worst.thumb import thumb_decoder
 from fuzzyspec.cost.worst.values import Value, anything, between, constant, join
 from fuzzyspec.fixed.program import ListPort, Loop, Program
 from fuzzyspec.fixed.prune import statements
+from fuzzyspec.machines.elf import Binary
+from fuzzyspec.machines.harness import pointer_symbol
+from fuzzyspec.machines.image import Image
 
 _STACK = {"thumb": 0x28010000, "riscv32": 0x28010000, "avr": 0x2000}
 """Where the caller's stack ends: nothing else lies there, and no path depends on the place."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Literal
 
-from fuzzyspec.cost.elf import WAY_OUT
 from fuzzyspec.cost.thumb import decode_thumb
 from fuzzyspec.cost.worst.code import (
     CONTRARY,
@@ -36,6 +35,7 @@ from fuzzyspec.cost.worst.code import (
 )
 from fuzzyspec.cost.worst.values import Operator
 from fuzzyspec.diagnostics.refusal import MissingTool
+from fuzzyspec.machines.elf import WAY_OUT
 
 SP, LR, PC = 13, 14, 15
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fuzzyspec.cost.stack import PAINT
 from fuzzyspec.emit.names import FunctionNames, Names, name_module
 from fuzzyspec.fixed.program import Program
+from fuzzyspec.machines.stack import PAINT
 from fuzzyspec.native.layout import Layout, layout_of
 
 _READERS = """

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
-from fuzzyspec.cost.elf import Binary, read_elf
-from fuzzyspec.cost.harness import batch_symbol, pointer_symbol, print_emulated_harness, print_probe
-from fuzzyspec.cost.toolchains import OWN, CrossCompiler
 from fuzzyspec.emit.names import name_module
 from fuzzyspec.fixed.program import Program
+from fuzzyspec.machines.elf import Binary, read_elf
+from fuzzyspec.machines.harness import batch_symbol, pointer_symbol, print_emulated_harness, print_probe
+from fuzzyspec.machines.toolchains import OWN, CrossCompiler
 
 _CODE = ".text .text.* .rodata .rodata.* .srodata .srodata.* .progmem .progmem.*"
 _DATA = ".data .data.* .bss .bss.* .sdata .sdata.* .sbss .sbss.* COMMON"
