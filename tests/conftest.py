@@ -1,5 +1,15 @@
-"""One hypothesis profile for everybody: the same examples on every machine, no clock, no database on disk."""
+"""What all tests share: one hypothesis profile, and what becomes of a test whose tool is missing.
 
+The profile gives the same examples on every machine, no clock, no database on disk.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from typing import NoReturn
+
+import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile(
@@ -10,3 +20,15 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("fuzzyc")
+
+
+def without(reason: str) -> NoReturn:
+    """Skip the test for what is not installed; fail it where all tools are to be there (FUZZYC_TOOLS=required)."""
+    if os.environ.get("FUZZYC_TOOLS") == "required":
+        pytest.fail(f"{reason}, and FUZZYC_TOOLS=required", pytrace=False)
+    pytest.skip(reason)
+
+
+def required_tool(name: str) -> str:
+    """The path of a program that the test cannot do without."""
+    return shutil.which(name) or without(f"{name} is not installed")

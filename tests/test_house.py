@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from fuzzyspec.cli.main import COMMANDS
+from tests.conftest import required_tool
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("fuzzyspec", "firmware_sim")
@@ -125,3 +126,13 @@ def test_start_up_imports_nothing_heavy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
+
+
+@pytest.mark.parametrize(("wish", "outcome"), [("", pytest.skip.Exception), ("required", pytest.fail.Exception)])
+def test_a_missing_tool_skips_or_fails(
+    wish: str, outcome: type[BaseException], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A test whose tool is not installed is skipped, but not where all tools are to be there."""
+    monkeypatch.setenv("FUZZYC_TOOLS", wish)
+    with pytest.raises(outcome, match="no-such-tool is not installed"):
+        required_tool("no-such-tool")

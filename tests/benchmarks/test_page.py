@@ -22,6 +22,7 @@ from benchmarks.results import Results, as_json, from_json
 from benchmarks.workloads import WORKLOADS, Workload
 from fuzzyspec.native import find_toolchain
 from tests.benchmarks.hand_written import sampled
+from tests.conftest import without
 from tests.cost.cost_specs import compiler_for
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -142,7 +143,7 @@ def test_callgrind_counts_what_a_function_executes(tmp_path: Path) -> None:
         find_toolchain().build([tmp_path / "m.c", tmp_path / "f.c"], tmp_path / "host", ("-O2",))
         total = instructions(["./host"], "counted", tmp_path)
         if total is None:
-            pytest.skip("valgrind is not installed")
+            without("valgrind is not installed")
         found.append(total)
     assert found[1] - found[0] == 300
 

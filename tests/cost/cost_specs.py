@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
-
 import pytest
 
 from fuzzyspec.diagnostics.refusal import MissingTool
 from fuzzyspec.machines.toolchains import TARGETS, CrossCompiler, Kind, find_compiler
+from tests.conftest import required_tool, without
 
 PLAIN = """\
 module plain
@@ -47,15 +46,14 @@ system both {
 def compiler_for(target: str, kind: Kind | None = None) -> CrossCompiler:
     """The compiler, or the test is skipped; likewise where the target's emulator is not here."""
     if TARGETS[target].machine == "avr":
-        if shutil.which("simavr") is None:
-            pytest.skip("simavr is not installed")
+        required_tool("simavr")
     else:
         pytest.importorskip("unicorn")
     pytest.importorskip("elftools")
     try:
         return find_compiler(TARGETS[target], kind)
     except MissingTool as error:
-        pytest.skip(str(error))
+        without(str(error))
 
 
 def stand_in(body: str) -> dict[str, bytes]:

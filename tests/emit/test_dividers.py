@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 from typing import get_args
@@ -19,6 +18,7 @@ from fuzzyspec.fixed.program import Define, Division, Function, Local, Port, Pro
 from fuzzyspec.fixed.run import run
 from fuzzyspec.model.system import Module
 from fuzzyspec.native import NativeModule
+from tests.conftest import required_tool
 
 INTERVALS = (
     *((0, 2**bits - 1) for bits in (8, 16, 17, 20, 22, 23, 24, 25, 27, 28, 31)),
@@ -102,8 +102,7 @@ def test_every_divider_gives_the_same_integer(division: Division) -> None:
 @pytest.mark.parametrize("division", get_args(Division))
 def test_no_divider_wraps_around(division: Division, tmp_path: Path) -> None:
     """Clang's check of unsigned arithmetic finds no intermediate outside of 32 bits at any of the pairs."""
-    if shutil.which("clang") is None:
-        pytest.skip("clang is not installed")
+    required_tool("clang")
     program = dividing(division)
     for name, content in files(program).files.items():
         (tmp_path / name).write_bytes(content)

@@ -10,6 +10,7 @@ import pytest
 
 import fuzzyspec
 from fuzzyspec.emit import stale, write
+from tests.conftest import required_tool, without
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = sorted(p.stem for p in (ROOT / "examples").glob("*.fz"))
@@ -35,8 +36,7 @@ def test_generated_files_are_fresh(name: str) -> None:
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_generated_files_compile_without_a_word(name: str, build: str, tmp_path: Path) -> None:
     """Each file compiles by itself under strict flags, as C99 and as C++, where int has 16 bits too."""
-    if shutil.which(BUILDS[build][0]) is None:
-        pytest.skip(f"{build} is not installed")
+    required_tool(BUILDS[build][0])
     for source in sorted((ROOT / "generated" / name).glob("*.c")):
         line = [*BUILDS[build], *WARNINGS, "-c", str(source), "-o", str(tmp_path / "x.o")]
         done = subprocess.run(line, capture_output=True, text=True, check=False)
@@ -47,8 +47,7 @@ def test_generated_files_compile_without_a_word(name: str, build: str, tmp_path:
 @pytest.mark.parametrize("spec", sorted((ROOT / "tests" / "fixtures").glob("ok_*.fz")), ids=lambda p: p.stem)
 def test_good_fixtures_compile_without_a_word(spec: Path, build: str, tmp_path: Path) -> None:
     """So does the C of every good spec of the test suite, names and raw types of all kinds."""
-    if shutil.which(BUILDS[build][0]) is None:
-        pytest.skip(f"{build} is not installed")
+    required_tool(BUILDS[build][0])
     plan = fuzzyspec.load(spec).compile()
     write(plan, tmp_path)
     for source in sorted(tmp_path.glob("*.c")):
@@ -63,7 +62,7 @@ def test_the_selftest_passes(name: str, level: str, tmp_path: Path) -> None:
     """The committed self-test, linked with the committed source, finds no vector that differs."""
     compiler = next((c for c in ("gcc", "clang", "cc") if shutil.which(c)), None)
     if compiler is None:
-        pytest.skip("no C compiler is installed")
+        without("no C compiler is installed")
     folder = ROOT / "generated" / name
     (tmp_path / "main.c").write_text(f'#include "{name}.h"\nint main(void) {{ return {name}_selftest() != 0U; }}\n')
     sources = [str(p) for p in sorted(folder.glob("*.c"))]
@@ -81,7 +80,7 @@ def test_files_of_two_runs_do_not_mix(tmp_path: Path) -> None:
     (tmp_path / "nav.c").write_bytes((folder / "nav.c").read_bytes())
     compiler = shutil.which("gcc") or shutil.which("clang")
     if compiler is None:
-        pytest.skip("no C compiler is installed")
+        without("no C compiler is installed")
     line = [compiler, "-c", "nav.c", "-o", "x.o"]
     done = subprocess.run(line, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode != 0 and "do not belong together" in done.stderr

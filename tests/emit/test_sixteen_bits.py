@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fuzzyspec import load
-from fuzzyspec.cost.avr import measure_avr, simavr_is_here
+from fuzzyspec.cost.avr import measure_avr
 from fuzzyspec.estimate.inputs import draw_cases
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Const, Define, Function, Local, Port, Program, ReadPort, SetOutput
@@ -20,6 +20,7 @@ from fuzzyspec.lower import Options
 from fuzzyspec.machines.image import Image
 from fuzzyspec.machines.toolchains import TARGETS, find_compiler
 from fuzzyspec.native import NativeModule
+from tests.conftest import required_tool
 from tests.emit.emit_random import scalar_program
 from tests.emit.test_emit_c import BUILDS, WIDTHS, cases, compiles, plan_of
 from tests.random_specs.generator import spec
@@ -51,8 +52,8 @@ system s {
 @pytest.mark.parametrize("seed", range(200, 203))
 def test_random_programs_agree_where_int_has_16_bits(seed: int, widths: Callable[[Program], Program]) -> None:
     """On an emulated ATmega328P the C's integers are the model's, bit for bit."""
-    if shutil.which("avr-gcc") is None or not simavr_is_here():
-        pytest.skip("avr-gcc and simavr are not installed")
+    required_tool("avr-gcc")
+    required_tool("simavr")
     program = widths(scalar_program(seed, count=12))
     inputs = cases(program.functions[0], 150)
     wanted = run(program, "mixed", inputs)
@@ -131,6 +132,5 @@ def test_names_of_registers_do_not_meet_their_macros(tmp_path: Path) -> None:
     assert "uint16_t SP_;" in plan.files["clash.h"].decode()
     assert "CLASH_C_SP_MAX" in plan.files["clash.h"].decode()
     compiles(plan, BUILDS["gcc"], tmp_path)
-    if shutil.which("avr-gcc") is None:
-        pytest.skip("avr-gcc is not installed")
+    required_tool("avr-gcc")
     compiles(plan, (*BUILDS["avr-gcc"], "-include", "avr/io.h"), tmp_path)

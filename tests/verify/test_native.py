@@ -14,6 +14,7 @@ from fuzzyspec.diagnostics.refusal import MissingTool
 from fuzzyspec.fixed.program import Program
 from fuzzyspec.native import BuildError, Death, NativeModule, NativeProcess, find_toolchain
 from fuzzyspec.native.toolchain import Toolchain
+from tests.conftest import without
 
 
 def _cases(n: int = 500) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
@@ -86,7 +87,7 @@ def test_out_of_bounds_is_a_death_with_its_case(sums: Program, sums_files: dict[
     inputs = {"offset": np.zeros(4, dtype=int), "items.count": counts, "items.value": np.ones((4, 3), dtype=int)}
     with NativeProcess(sums, sums_files, sanitize=True) as process:
         if "address" not in process.sanitizers:
-            pytest.skip("this compiler has no address sanitizer")
+            without("this compiler has no address sanitizer")
         ran = process.run("sums", inputs)
     assert isinstance(ran, Death)
     assert ran.case == 0
