@@ -223,6 +223,7 @@ class Spec:
         scenario: str | os.PathLike[str] | None = None,
         raw: bool = False,
         sanitize: bool = True,
+        worst: bool = False,
         progress: Callable[[int, int, str], None] | None = None,
     ) -> Report:
         """Show that the C does what the spec says, or that it does not.
@@ -230,14 +231,15 @@ class Spec:
         ``cases``: random cases a function, besides the aimed ones. ``only``: the functions to look at. ``c``: a C file
         to verify instead of the generated one (its header is taken from beside it, else the generated one).
         ``scenario``: a CSV of recorded inputs to replay instead of generated cases, in declared units or, with
-        ``raw``, raws. ``progress`` is called with cases done, cases planned and the function's name. Raises MissingTool
-        where there is no C compiler, ScenarioError for a bad recording, OSError for a file that cannot be read.
+        ``raw``, raws. ``worst``: also search for each output's largest error, uphill from the worst of the other cases.
+        ``progress`` is called with cases done, cases planned and the function's name. Raises MissingTool where there is
+        no C compiler, ScenarioError for a bad recording, OSError for a file that cannot be read.
         """
         from fuzzyspec.verify import Options, TheirC, read_scenario, verify
 
         for name in only:
             self._subject(name)
-        options = Options(only=only, sanitize=sanitize)
+        options = Options(only=only, sanitize=sanitize, directed=worst)
         options = options if seed is None else replace(options, seed=seed)
         options = options if cases is None else replace(options, cases=cases)
         if scenario is not None:

@@ -27,7 +27,9 @@ def register(subparsers: Any) -> None:
     parser.add_argument("--raw", action="store_true", help="the scenario holds raws, not values in declared units")
     parser.add_argument("--seed", metavar="N", type=_natural, help="seed of the random inputs")
     parser.add_argument("--cases", metavar="N", type=_natural, help="random cases a function, besides the aimed ones")
-    parser.add_argument("--worst", action="store_true", help="also print where each output's error was largest")
+    parser.add_argument(
+        "--worst", action="store_true", help="also search for each output's largest error, and say where it is"
+    )
     parser.add_argument("--no-sanitize", action="store_true", help="leave out the build under sanitizers")
     parser.add_argument(
         "--tolerance",
@@ -62,6 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
             scenario=arguments.scenario,
             raw=arguments.raw,
             sanitize=not arguments.no_sanitize,
+            worst=arguments.worst,
             progress=bar.show if sys.stderr.isatty() else None,
         )
     from fuzzyspec.verify import as_json, as_text

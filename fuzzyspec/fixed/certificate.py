@@ -19,16 +19,29 @@ class Band:
 
 
 @dataclass(frozen=True, slots=True)
+class Dominant:
+    """What a bound is as large as it is for: ``where`` the inputs then lie, and which ``kernel`` adds most of it.
+
+    Both are for people, in the words of the spec. ``percent`` is the kernel's share of the bound there.
+    """
+
+    where: str
+    kernel: str
+    percent: int
+
+
+@dataclass(frozen=True, slots=True)
 class OutputBound:
     """``|C - exact along C's decisions| <= error`` for every input, in the output's unit.
 
-    ``error`` is None where no bound could be had; ``reason`` then says why, and otherwise what dominates.
+    ``error`` is None where no bound could be had; ``reason`` then says why, and otherwise which parts it has.
     """
 
     output: str
     error: Fraction | None
     percent_of_range: Fraction | None
     reason: str
+    dominant: Dominant | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
 from fuzzyspec.diagnostics.numerals import exact, upper
 from fuzzyspec.estimate.profile import profile
 from fuzzyspec.fixed.build import RangeError
-from fuzzyspec.fixed.certificate import Band, Certificate, OutputBound
+from fuzzyspec.fixed.certificate import Band, Certificate, Dominant, OutputBound
 from fuzzyspec.fixed.program import Division, Function, Program, Quotient
 from fuzzyspec.fixed.prune import expressions, nodes
 from fuzzyspec.lower.bounds import Effort, bound_controller, means
@@ -137,7 +137,7 @@ def _lowered(module: Module, chosen: Options, full: frozenset[str]) -> Lowered:
         key = (controller.name, errors)
         if key not in cache:
             bounds = bound_controller(numbers[controller.name], errors, called, prepared[controller.name])
-            cache[key] = CallBounds(bounds.errors, bounds.reasons, bounds.bands)
+            cache[key] = CallBounds(bounds.errors, bounds.reasons, bounds.bands, bounds.dominants)
         return cache[key]
 
     for system in module.systems:
@@ -195,7 +195,8 @@ def _of_controller(
 ) -> Certificate:
     bounds = bound_controller(numbers, (Fraction(0),) * len(controller.inputs), effort, prepared)
     outputs = tuple(
-        _output(o.name, o.variable, bounds.errors[o.name], bounds.reasons[o.name]) for o in controller.outputs
+        _output(o.name, o.variable, bounds.errors[o.name], bounds.reasons[o.name], bounds.dominants[o.name])
+        for o in controller.outputs
     )
     return Certificate(controller.name, options.bounds, outputs, bounds.bands)
 
@@ -216,13 +217,15 @@ def _width(band: Band) -> Fraction:
     return band.width
 
 
-def _output(name: str, variable: Variable, error: Fraction, reason: str) -> OutputBound:
+def _output(
+    name: str, variable: Variable, error: Fraction, reason: str, dominant: Dominant | None = None
+) -> OutputBound:
     """A bound as wide as the range says nothing, so then there is none, and the reason stands."""
     span = variable.hi - variable.lo
     if error >= span:
-        return OutputBound(name, None, None, reason)
+        return OutputBound(name, None, None, reason, dominant)
     rounded = _upwards(error, span)
-    return OutputBound(name, rounded, rounded / span * 100, reason)
+    return OutputBound(name, rounded, rounded / span * 100, reason, dominant)
 
 
 def _upwards(error: Fraction, span: Fraction) -> Fraction:

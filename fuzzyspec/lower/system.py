@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import assert_never
 
 from fuzzyspec.fixed import build
-from fuzzyspec.fixed.certificate import Band
+from fuzzyspec.fixed.certificate import Band, Dominant
 from fuzzyspec.fixed.program import (
     AllOf,
     AnyOf,
@@ -55,6 +55,7 @@ class CallBounds:
     errors: dict[str, Fraction]
     reasons: dict[str, str]
     bands: tuple[Band, ...]
+    dominants: dict[str, Dominant | None]
 
 
 Certify = Callable[[Controller, tuple[Fraction, ...]], CallBounds]

@@ -5,6 +5,7 @@ The C is held to the integer program bit for bit, and that to the exact meaning 
 
 from __future__ import annotations
 
+from fuzzyspec.verify.directed import Effort, largest_errors
 from fuzzyspec.verify.equivalence import DEFAULT_SEED, Options, TheirC, verify
 from fuzzyspec.verify.render import as_json, as_text
 from fuzzyspec.verify.report import Example, Failure, FunctionFound, OutputFound, Report
@@ -13,6 +14,7 @@ from fuzzyspec.verify.subject import Subject, subjects
 
 __all__ = [
     "DEFAULT_SEED",
+    "Effort",
     "Example",
     "Failure",
     "FunctionFound",
@@ -24,6 +26,7 @@ __all__ = [
     "TheirC",
     "as_json",
     "as_text",
+    "largest_errors",
     "read_scenario",
     "subjects",
     "verify",

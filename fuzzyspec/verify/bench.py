@@ -17,7 +17,7 @@ from fuzzyspec.verify.report import Difference, Failure, FailureKind
 from fuzzyspec.verify.runner import Runner, any_of, differing
 from fuzzyspec.verify.shrink import shrink
 from fuzzyspec.verify.subject import Subject
-from fuzzyspec.verify.tally import Tally
+from fuzzyspec.verify.tally import Tally, signed_errors
 
 BLOCK = 1 << 14
 """Cases that are hashed together."""
@@ -39,15 +39,15 @@ class Bench:
     def __post_init__(self) -> None:
         self.tally = Tally(self.subject)
 
-    def put(self, batch: Batch) -> None:
-        """Run one batch through everything."""
+    def put(self, batch: Batch) -> dict[str, npt.NDArray[np.float64]]:
+        """Run one batch through everything; the errors that it had, with their signs, by output."""
         if batch.follow:
             batch = Batch(batch.kind, batch.inputs, dict(self._state))
         run = self.subject.fixed(batch.inputs, batch.state, record=True)
         self._state = run.state
         self._through_c(batch, run)
         self._through_sanitizers(batch)
-        self._through_exact(batch, run)
+        return self._through_exact(batch, run)
 
     # --- C --------------------------------------------------------------------------------------
 
@@ -135,7 +135,7 @@ class Bench:
 
     # --- the exact meaning ----------------------------------------------------------------------
 
-    def _through_exact(self, batch: Batch, run: Run) -> None:
+    def _through_exact(self, batch: Batch, run: Run) -> dict[str, npt.NDArray[np.float64]]:
         exact = self.subject.exact(batch.inputs, batch.state, run.decisions)
         bound, band = self.tally.add_exact(batch, run, exact)
         if bound.any() and not self._has("bound"):
@@ -148,6 +148,7 @@ class Bench:
             if found is not None:
                 at, difference = found
                 self._beyond("band", single(batch, at), difference, "a decision differs outside its certified band")
+        return signed_errors(self.subject, run, exact)
 
     def _beyond(self, kind: FailureKind, case: Batch, difference: Difference, message: str) -> None:
         seen = [difference]

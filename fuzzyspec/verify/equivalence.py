@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fuzzyspec.emit.names import name_module
@@ -11,6 +11,7 @@ from fuzzyspec.fixed.program import Program
 from fuzzyspec.native import BuildError, Death, NativeModule, NativeProcess, Toolchain, find_toolchain
 from fuzzyspec.verify.bench import BLOCK, Bench
 from fuzzyspec.verify.cases import DEFAULT_CASES, Batch, batches, bulk, planned
+from fuzzyspec.verify.directed import Directed, Effort, search
 from fuzzyspec.verify.report import Failure, Report
 from fuzzyspec.verify.runner import Runner
 from fuzzyspec.verify.subject import Subject
@@ -26,7 +27,10 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """``only``: functions to verify (all if empty). ``replayed``: batches to run instead of the generated ones."""
+    """``only``: functions to verify (all if empty). ``replayed``: batches to run instead of the generated ones.
+
+    ``directed``: whether to search for each output's largest error, from the worst of the other cases.
+    """
 
     seed: int = DEFAULT_SEED
     cases: int = DEFAULT_CASES
@@ -34,6 +38,7 @@ class Options:
     sanitize: bool = True
     seconds: float = 20.0
     replayed: Mapping[str, Sequence[Batch]] | None = None
+    directed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +90,7 @@ def verify(
 
         done = 0
         for bench in benches:
-            for batch in _batches(bench.subject, options):
-                bench.put(batch)
+            for batch in _cases(bench, options):
                 done += batch.n
                 advance(done, bench.subject.name)
             if theirs_in_bulk is not None:
@@ -107,16 +111,26 @@ def verify(
     )
 
 
-def _batches(subject: Subject, options: Options) -> Iterable[Batch]:
-    if options.replayed is not None:
-        return options.replayed.get(subject.name, ())
-    return batches(subject, options.seed, options.cases)
+def _cases(bench: Bench, options: Options) -> Iterator[Batch]:
+    """Every batch that was put on the bench."""
+    subject = bench.subject
+    directed = Directed(subject, options.seed, Effort.beside(options.cases)) if options.directed else None
+    replayed = None if options.replayed is None else options.replayed.get(subject.name, ())
+    for batch in batches(subject, options.seed, options.cases) if replayed is None else replayed:
+        errors = bench.put(batch)
+        if directed is not None:
+            directed.tell(batch, errors)
+        yield batch
+    if directed is not None:
+        yield from search(bench, directed)
 
 
 def _planned(subject: Subject, options: Options, with_bulk: bool) -> int:
     if options.replayed is not None:
-        return sum(b.n for b in options.replayed.get(subject.name, ()))
-    return planned(subject, options.cases, with_bulk=with_bulk)
+        cases = sum(b.n for b in options.replayed.get(subject.name, ()))
+    else:
+        cases = planned(subject, options.cases, with_bulk=with_bulk)
+    return cases + Effort.beside(options.cases).cases if options.directed else cases
 
 
 def _sanitizers(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from fuzzyspec.verify.report import Example, Failure, FunctionFound, Report
+from fuzzyspec.verify.report import Example, Failure, FunctionFound, OutputFound, Report
 
 
 def as_text(report: Report, *, worst: bool = False) -> str:
@@ -29,6 +29,7 @@ def _lines(report: Report, worst: bool) -> Iterator[str]:
             if output.worst is not None:
                 yield f"  largest error of {output.output} at"
                 yield from (f"    {line}" for line in example_lines(output.worst))
+            yield from (f"    {line}" for line in _tightness(output))
     for note in report.notes:
         yield ""
         yield f"note: {note}"
@@ -41,6 +42,15 @@ def _lines(report: Report, worst: bool) -> Iterator[str]:
     else:
         many = "1 failure" if len(report.failures) == 1 else f"{len(report.failures)} failures"
         yield f"{report.module}: NOT verified, {many}"
+
+
+def _tightness(output: OutputFound) -> Iterator[str]:
+    """How far the bound is above what was found, and what it owes that to."""
+    if output.ratio is not None:
+        yield f"certified: {output.ratio:.1f} times that"
+    if output.dominant is not None:
+        yield f"most of the bound: {output.dominant.kernel}, {output.dominant.percent} %"
+        yield f"    where it is largest: {output.dominant.where}"
 
 
 def _function(found: FunctionFound) -> Iterator[str]:
@@ -149,6 +159,10 @@ def _function_json(found: FunctionFound) -> dict[str, Any]:
                 "bound": None if o.bound is None else float(o.bound),
                 "bound_exact": None if o.bound is None else str(o.bound),
                 "bound_percent": None if o.bound_percent is None else float(o.bound_percent),
+                "bound_over_largest_error": o.ratio,
+                "dominant": None
+                if o.dominant is None
+                else {"where": o.dominant.where, "kernel": o.dominant.kernel, "percent": o.dominant.percent},
                 "worst": _example_json(o.worst),
             }
             for o in found.outputs

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal
 
+from fuzzyspec.fixed.certificate import Dominant
+
 FailureKind = Literal["build", "selftest", "c", "death", "bound", "band"]
 
 
@@ -45,7 +47,8 @@ class Failure:
 class OutputFound:
     """One output over all cases. Errors are in the output's unit; ``percent`` is of its range.
 
-    ``bound`` is the certified one, None where the certificate has none. ``acting`` has neither: it is a decision.
+    ``bound`` is the certified one, None where the certificate has none; ``dominant`` is what it owes most to.
+    ``acting`` has neither: it is a decision.
     """
 
     output: str
@@ -57,6 +60,12 @@ class OutputFound:
     bound: Fraction | None
     bound_percent: Fraction | None
     worst: Example | None
+    dominant: Dominant | None = None
+
+    @property
+    def ratio(self) -> float | None:
+        """Certified over found: how many times the largest error seen the bound is."""
+        return None if self.bound is None or not self.largest_error else float(self.bound) / self.largest_error
 
 
 @dataclass(frozen=True, slots=True)

@@ -129,13 +129,19 @@ class Tally:
             certified.error,
             certified.percent_of_range,
             example_at(self.subject, tally.worst, 0) if tally.worst is not None else None,
+            certified.dominant,
         )
 
 
 def errors_of(subject: Subject, run: Run, exact: Exact) -> dict[str, npt.NDArray[np.float64]]:
     """``|fixed - exact|`` of every output that has a unit, (N,) each."""
+    return {name: np.abs(error) for name, error in signed_errors(subject, run, exact).items()}
+
+
+def signed_errors(subject: Subject, run: Run, exact: Exact) -> dict[str, npt.NDArray[np.float64]]:
+    """``fixed - exact`` of every output that has a unit, (N,) each."""
     return {
-        port.name: np.abs(dequantise(port.variable, run.outputs[port.name]) - exact.outputs[port.name])
+        port.name: dequantise(port.variable, run.outputs[port.name]) - exact.outputs[port.name]
         for port in subject.function.outputs
         if port.variable is not None
     }

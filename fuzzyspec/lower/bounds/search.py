@@ -13,6 +13,8 @@ from fractions import Fraction
 import numpy as np
 
 from fuzzyspec.fixed.certificate import Band as DecisionBand
+from fuzzyspec.fixed.certificate import Dominant
+from fuzzyspec.lower.bounds.dominant import dominant, dominant_edge, otherwise_rounded
 from fuzzyspec.lower.bounds.memberships import Floats
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound, Parts
 from fuzzyspec.lower.bounds.strengths import Boxes, Strengths
@@ -44,6 +46,7 @@ class ControllerBounds:
     reasons: dict[str, str]
     certified: dict[str, bool]
     bands: tuple[DecisionBand, ...]
+    dominants: dict[str, Dominant | None]
 
 
 def means(numbers: ControllerNumbers) -> tuple[CentroidBound | AverageBound, ...]:
@@ -76,23 +79,29 @@ def bound_controller(
         return _multilinear(numbers, strengths)
     outputs = list(means(numbers)) if prepared is None else list(prepared)
     search = _Search(strengths, outputs, effort)
-    worst, parts = search.run()
+    found = search.run()
     errors: dict[str, Fraction] = {}
     reasons: dict[str, str] = {}
     certified: dict[str, bool] = {}
+    dominants: dict[str, Dominant | None] = {}
     for o, output in enumerate(controller.outputs):
         span = output.variable.hi - output.variable.lo
-        bound = worst[o] * (1 + 2.0**-40)
+        bound = found.worst[o] * (1 + 2.0**-40)
         certified[output.name] = bound < 1
         error = min(Fraction(bound), Fraction(1)) * span
+        dominants[output.name] = (
+            None if found.boxes is None else dominant(strengths, outputs[o], o, found.boxes.some([o]))
+        )
         if output.fallback is not None and not output.fallback.hold:
             raw = output.variable.raw
-            error = max(error, abs(raw.value(raw.nearest(output.fallback.value)) - output.fallback.value))
+            rounded = abs(raw.value(raw.nearest(output.fallback.value)) - output.fallback.value)
+            if rounded > error:
+                error, dominants[output.name] = rounded, otherwise_rounded(output)
         errors[output.name] = error
         reasons[output.name] = (
-            _reason(parts[o]) if bound < 1 else search.failure or _why_none(controller.outputs[o].name)
+            _reason(found.parts[o]) if bound < 1 else search.failure or _why_none(controller.outputs[o].name)
         )
-    return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths))
+    return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths), dominants)
 
 
 def _multilinear(numbers: ControllerNumbers, strengths: Strengths) -> ControllerBounds:
@@ -102,6 +111,7 @@ def _multilinear(numbers: ControllerNumbers, strengths: Strengths) -> Controller
     errors: dict[str, Fraction] = {}
     reasons: dict[str, str] = {}
     certified: dict[str, bool] = {}
+    dominants: dict[str, Dominant | None] = {}
     for output, found in zip(controller.outputs, numbers.outputs, strict=True):
         assert isinstance(found, MultilinearNumbers)
         span = output.variable.hi - output.variable.lo
@@ -110,7 +120,8 @@ def _multilinear(numbers: ControllerNumbers, strengths: Strengths) -> Controller
         errors[output.name] = min(moved + rounded, Fraction(1)) * span
         reasons[output.name] = _reason((float(moved), float(rounded), 0.0))
         certified[output.name] = moved + rounded < 1
-    return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths))
+        dominants[output.name] = dominant_edge(controller, output, found.edges, off, rounded)
+    return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths), dominants)
 
 
 def _why_none(name: str) -> str:
@@ -148,6 +159,15 @@ def _bands(numbers: ControllerNumbers, strengths: Strengths) -> tuple[DecisionBa
     return tuple(bands)
 
 
+@dataclass(frozen=True)
+class _Found:
+    """By output: the bound relative to the range, its parts where it is reached, and (None without any) that box."""
+
+    worst: list[float]
+    parts: list[tuple[float, float, float]]
+    boxes: Boxes | None
+
+
 class _Search:
     def __init__(self, strengths: Strengths, outputs: list[CentroidBound | AverageBound], effort: Effort) -> None:
         self.strengths = strengths
@@ -156,14 +176,14 @@ class _Search:
         self.failure = ""
         self.steep = np.array([max(1.0, *(m.steepest for m in terms)) for terms in strengths.terms])
 
-    def run(self) -> tuple[list[float], list[tuple[float, float, float]]]:
-        """The certified bound of each output, relative to its range, and its parts at the worst box."""
+    def run(self) -> _Found:
+        """The certified bound of each output, relative to its range."""
         boxes = self._first()
         if boxes is None:
-            return [math.inf] * len(self.outputs), [(0.0, 0.0, 0.0)] * len(self.outputs)
+            return _Found([math.inf] * len(self.outputs), [(0.0, 0.0, 0.0)] * len(self.outputs), None)
         total, parts = self._evaluate(boxes)
         looked = len(boxes)
-        floor = self._points(boxes, total)
+        floor, at = self._points(boxes, total)
         while looked < self.effort.boxes:
             over = total / np.maximum(floor * CLOSE_ENOUGH, 1e-300)
             score = over.max(axis=1)
@@ -175,23 +195,25 @@ class _Search:
             chosen = open_[np.argsort(-score[open_], kind="stable")[:room]]
             children = self._split(boxes, chosen)
             more, more_parts = self._evaluate(children)
-            floor = np.maximum(floor, self._points(children, more))
+            higher, where = self._points(children, more)
+            at = np.where((higher > floor)[:, None], where, at)
+            floor = np.maximum(floor, higher)
             keep = np.ones(len(boxes), dtype=bool)
             keep[chosen] = False
             # A box that is already below what some point needs will never be the worst one.
             keep &= score > 1
-            boxes = Boxes(np.concatenate([boxes.lo[keep], children.lo]), np.concatenate([boxes.hi[keep], children.hi]))
+            boxes = boxes.some(keep).and_(children)
             closed = (total * (~keep & (score <= 1))[:, None]).max(axis=0, initial=0.0)
             floor = np.maximum(floor, closed / CLOSE_ENOUGH)
             total = np.concatenate([total[keep], more])
             parts = np.concatenate([parts[keep], more_parts])
             looked += len(children)
-        bounds = (
-            np.maximum(total.max(axis=0, initial=0.0), floor * CLOSE_ENOUGH) if len(total) else floor * CLOSE_ENOUGH
-        )
-        worst = [int(total[:, o].argmax()) for o in range(len(self.outputs))] if len(total) else []
-        shares = [tuple(parts[w, o]) for o, w in enumerate(worst)] or [(0.0, 0.0, 0.0)] * len(self.outputs)
-        return [float(b) for b in bounds], [(float(a), float(b), float(c)) for a, b, c in shares]
+        bounds = np.maximum(total.max(axis=0, initial=0.0), floor * CLOSE_ENOUGH)
+        if not len(total):
+            return _Found([float(b) for b in bounds], [(0.0, 0.0, 0.0)] * len(bounds), Boxes(at, at))
+        worst = total.argmax(axis=0)
+        shares = [tuple(float(p) for p in parts[w, o]) for o, w in enumerate(worst)]
+        return _Found([float(b) for b in bounds], [(a, b, c) for a, b, c in shares], boxes.some(worst))
 
     def _first(self) -> Boxes | None:
         cuts: list[Floats] = []
@@ -215,16 +237,15 @@ class _Search:
                 return None
         return boxes
 
-    def _points(self, boxes: Boxes, total: Floats) -> Floats:
-        """The lemma's value at the middle of the worst boxes: what no splitting gets below."""
+    def _points(self, boxes: Boxes, total: Floats) -> tuple[Floats, Floats]:
+        """The lemma's value at the middle of the worst boxes, what no splitting gets below; and the inputs there."""
         count = min(len(boxes), 64)
         chosen = np.unique(
             np.concatenate([np.argsort(-total[:, o], kind="stable")[:count] for o in range(total.shape[1])])
         )
         middle = (boxes.lo[chosen] + boxes.hi[chosen]) / 2
         found, _ = self._evaluate(Boxes(middle, middle))
-        result: Floats = found.max(axis=0)
-        return result
+        return found.max(axis=0), middle[found.argmax(axis=0)]
 
     def _split(self, boxes: Boxes, chosen: np.typing.NDArray[np.int64]) -> Boxes:
         lo, hi = boxes.lo[chosen], boxes.hi[chosen]

@@ -7,7 +7,8 @@ of it.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import assert_never
 
 import numpy as np
@@ -36,6 +37,14 @@ class Boxes:
 
     def __len__(self) -> int:
         return len(self.lo)
+
+    def some(self, chosen: npt.NDArray[np.bool_] | Ints | list[int]) -> Boxes:
+        """Those that an index array or a mask names."""
+        return Boxes(self.lo[chosen], self.hi[chosen])
+
+    def and_(self, others: Boxes) -> Boxes:
+        """These, then the others."""
+        return Boxes(np.concatenate([self.lo, others.lo]), np.concatenate([self.hi, others.hi]))
 
 
 @dataclass(frozen=True)
@@ -77,6 +86,12 @@ class Strengths:
                 row.append(Band(lo, hi, rounding + slide))
             found.append(row)
         return found
+
+    def without(self, i: int) -> Strengths:
+        """The same, were input i and its degrees without errors."""
+        own = self.numbers.degree_errors
+        numbers = replace(self.numbers, degree_errors=(*own[:i], Fraction(0), *own[i + 1 :]))
+        return Strengths(numbers, (*self.errors[:i], 0.0, *self.errors[i + 1 :]))
 
     def farthest(self, i: int) -> float:
         """How far an interpolation along input i can be led astray, in units of an edge; not capped at 1, since an

@@ -1,0 +1,69 @@
+"""What a bound is owed to, told in the spec's words: where the inputs lie, and the kernel that adds most of it."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from fuzzyspec.fixed.certificate import Dominant
+from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
+from fuzzyspec.lower.bounds.strengths import Boxes, Strengths
+from fuzzyspec.model.controller import Controller, Input, Output
+
+
+def dominant(strengths: Strengths, bound: CentroidBound | AverageBound, output: int, box: Boxes) -> Dominant:
+    """Of the one box where an output's bound is largest. An input's share is what goes away without its errors."""
+    numbers, name = strengths.numbers, strengths.controller.outputs[output].name
+    parts = bound.parts(strengths.levels(box)[output])
+    degrees, rounding = float(parts.degrees[0]), float(parts.rounding[0])
+    shares = {f"areas and moments of {name}": rounding, f"quotient and rounding of {name}": parts.tail}
+    if isinstance(bound, AverageBound):
+        shares = {f"products and sums of {name}": rounding, f"quotient and rounding of {name}": parts.tail}
+    if np.isfinite(degrees):
+        rest = degrees
+        for i, item in enumerate(strengths.controller.inputs):
+            without = strengths.without(i)
+            left = float(bound.parts(without.levels(box)[output]).degrees[0])
+            shares[f"degrees of {item.name}"] = degrees - left
+            rest -= degrees - left
+        shares["strengths of the rules"] = rest if numbers.cell_error or any(numbers.sentence_errors) else 0.0
+        total = max(degrees + rounding + parts.tail, 2.0**-1000)
+    else:
+        shares, total = {f"the area of {name}, which can come too near 0": 1.0}, 1.0
+    kernel = max(shares, key=lambda k: shares[k])
+    return Dominant(_where(strengths, box), kernel, min(100, round(100 * shares[kernel] / total)))
+
+
+def dominant_edge(
+    controller: Controller, output: Output, edges: tuple[Fraction, ...], off: list[Fraction], rounding: Fraction
+) -> Dominant:
+    """Of an interpolation, whose lemma speaks of all inputs at once."""
+    shares = {
+        f"degrees of {i.name}, where neighbouring cells are furthest apart": e * d
+        for i, e, d in zip(controller.inputs, edges, off, strict=True)
+    }
+    shares[f"places and interpolation of {output.name}"] = rounding
+    kernel = max(shares, key=lambda k: shares[k])
+    total = sum(shares.values(), Fraction(0)) or Fraction(1)
+    return Dominant("anywhere", kernel, round(100 * shares[kernel] / total))
+
+
+def otherwise_rounded(output: Output) -> Dominant:
+    """Of an output that errs most where nothing fires."""
+    return Dominant("where nothing fires", f"rounding of the value that {output.name} has otherwise", 100)
+
+
+def _where(strengths: Strengths, box: Boxes) -> str:
+    return ", ".join(
+        _place(item, [t.name for t, b in zip(item.terms, row, strict=True) if b.hi[0] > 0], box.lo[0, i], box.hi[0, i])
+        for i, (item, row) in enumerate(zip(strengths.controller.inputs, strengths.degrees(box), strict=True))
+    )
+
+
+def _place(item: Input, active: list[str], lo: float, hi: float) -> str:
+    """``eta_t near 1.5 s (TS, TM)``: the middle of a box, which is small where a search has ended."""
+    variable = item.variable
+    middle = variable.lo + (variable.hi - variable.lo) * Fraction((float(lo) + float(hi)) / 2)
+    value = f"{float(middle):.5g} {variable.unit.symbol}".rstrip()
+    return f"{item.name} near {value} ({', '.join(active)})" if active else f"{item.name} near {value}"
