@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from fuzzyspec.cost.budgets import Verdict, confirm
 from fuzzyspec.cost.limit import with_limits
-from fuzzyspec.cost.measure import Conditions, Measured, Mismatch, Record, measure
+from fuzzyspec.cost.measure import TARGETS, Conditions, Measured, Mismatch, Record, measure
 from fuzzyspec.cost.pareto import pareto, pareto_json, pareto_text
 from fuzzyspec.cost.report import as_json, as_text
-from fuzzyspec.machines.emulate import Emulation, EmulationError
-from fuzzyspec.machines.image import Image
-from fuzzyspec.machines.toolchains import OPTIMISATIONS, TARGETS, CrossCompiler, Target, find_compiler
+from fuzzyspec.machines.emulate import Emulation
+from fuzzyspec.machines.image import EmulationError, Image
+from fuzzyspec.machines.toolchains import OPTIMISATIONS, CrossCompiler, Target, find_compiler
 
 __all__ = [
     "OPTIMISATIONS",

@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzzyspec.cost.thumb import Block, decode_thumb
-from fuzzyspec.machines.emulate import Emulation, EmulationError
+from fuzzyspec.machines.emulate import Emulation
+from fuzzyspec.machines.image import EmulationError
 from fuzzyspec.machines.stream import decode, encode
 from fuzzyspec.native.layout import Result
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
-from fuzzyspec.cost.avr import measure_avr, simavr_is_here
+from fuzzyspec.cost.avr import measure_avr
 from fuzzyspec.cost.counter import measure_calls
 from fuzzyspec.cost.worst import Bound, derive
 from fuzzyspec.estimate.inputs import draw_cases
@@ -16,10 +17,17 @@ from fuzzyspec.fixed.program import Function, Program
 from fuzzyspec.fixed.run import Run, run
 from fuzzyspec.machines.emulate import Emulation
 from fuzzyspec.machines.image import Image
-from fuzzyspec.machines.toolchains import CrossCompiler
+from fuzzyspec.machines.simavr import simavr_is_here
+from fuzzyspec.machines.toolchains import TARGETS as MACHINES
+from fuzzyspec.machines.toolchains import CrossCompiler, Target
 from fuzzyspec.native.layout import Result
 
 Ints = npt.NDArray[np.int64]
+TARGETS: Mapping[str, Target] = MappingProxyType(
+    {name: target for name, target in MACHINES.items() if target.machine in ("thumb", "riscv32", "avr")}
+)
+"""Those on which it is known how to count what is executed."""
+
 Meaning = Callable[[str, Mapping[str, Ints], Mapping[str, Ints] | None], Run]
 """What comes of N cases of raws and states of the function named."""
 

@@ -80,6 +80,26 @@ def read_elf(path: Path) -> Binary:
     return Binary(sections, symbols, objects, {s.name: s["st_value"] for s in code}, _gaps(sections, covered))
 
 
+def patched(linked: bytes, data: Mapping[str, bytes]) -> bytes:
+    """A linked file with other bytes where symbols stand. KeyError where there is no such symbol with a place."""
+    from io import BytesIO
+
+    from elftools.elf.elffile import ELFFile
+
+    elf = ELFFile(BytesIO(linked))
+    table = elf.get_section_by_name(".symtab")
+    places = {s.name: s for s in ([] if table is None else table.iter_symbols()) if s.name in data and _placed(s)}
+    changed = bytearray(linked)
+    for name, content in data.items():
+        symbol = places[name]
+        section = elf.get_section(symbol["st_shndx"])
+        if len(content) > symbol["st_size"]:
+            raise ValueError(f"{len(content)} bytes do not fit `{name}`")
+        at = section["sh_offset"] + symbol["st_value"] - section["sh_addr"]
+        changed[at : at + len(content)] = content
+    return bytes(changed)
+
+
 def _gaps(sections: tuple[Section, ...], covered: list[tuple[int, int]]) -> tuple[Object, ...]:
     """What of the sections lies in none of the (address, size), under the section's name."""
     found: list[Object] = []

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from fuzzyspec.diagnostics.refusal import MissingTool
-from fuzzyspec.machines.elf import WAY_OUT, Binary
-from fuzzyspec.machines.harness import batch_symbol
-from fuzzyspec.machines.image import FLASH, RAM, Image
+from fuzzyspec.machines.elf import WAY_OUT, Binary, read_elf
+from fuzzyspec.machines.harness import LEFT, batch_symbol
+from fuzzyspec.machines.image import FLASH, RAM, EmulationError, Image
 from fuzzyspec.machines.stack import PAINT, untouched
 from fuzzyspec.machines.stream import decode, encode, result_size
 from fuzzyspec.native.layout import Result, layout_of
@@ -20,15 +21,13 @@ Signals = Mapping[str, npt.ArrayLike]
 
 _PAGE = 0x1000
 _STACK, _STACK_SIZE = 0x28000000, 0x10000
+_HOME = 64
+"""Bytes above the stack pointer: some calling conventions let a callee store its arguments there."""
 _CASES, _RESULTS = 0x30000000, 0x50000000
 _END = 0x08000000
 """Where the harness returns to; nothing is executed there."""
-_CHUNK = 1 << 16
+_CHUNK = 1 << 14
 _SECONDS = 300
-
-
-class EmulationError(Exception):
-    """The built code did not come to its end: a fault, or no end at all."""
 
 
 class Listener(Protocol):
@@ -41,18 +40,30 @@ class Listener(Protocol):
         """``lowest_written``: the lowest address of the stack whose paint is gone."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Registers:
+    """The emulator's names of a core's registers."""
+
+    sp: int
+    link: int
+    pc: int
+    arguments: tuple[int, int, int]
+    result: int
+
+
 class Emulation:
     """An image in the emulator. Every run starts an engine of its own."""
 
-    def __init__(self, image: Image) -> None:
-        """Link the image. Raises MissingTool where unicorn is not installed."""
+    def __init__(self, image: Image, *, selftest: bool = False, seconds: float = _SECONDS) -> None:
+        """Link the image. ``seconds`` limits some thousands of calls. MissingTool where unicorn is not installed."""
         try:
             import unicorn  # noqa: F401
         except ImportError as error:
             raise MissingTool("the package unicorn is needed to run what was built", WAY_OUT) from error
         self.image = image
-        self.binary: Binary = image.emulated()
+        self.binary: Binary = read_elf(image.emulated(selftest=selftest))
         self.layouts = {f.name: layout_of(image.program, f, image.names) for f in image.program.functions}
+        self._seconds = seconds
 
     def run(self, function: str, inputs: Signals, state: Signals | None = None) -> Result:
         """N calls of the function named as in the spec, over raws as ``native.NativeModule.run`` takes them.
@@ -64,60 +75,90 @@ class Emulation:
 
     def results(self, function: str, cases: npt.NDArray[np.uint8], listener: Listener | None = None) -> bytes:
         """The stream of results of a stream of cases (``stream``), a chunk at a time. Raises EmulationError."""
-        parts = (cases[at : at + _CHUNK] for at in range(0, len(cases), _CHUNK))
-        return b"".join(self._batch(function, part, listener) for part in parts)
+        found: list[bytes] = []
+        for at in range(0, len(cases), _CHUNK):
+            try:
+                found.append(self._batch(function, cases[at : at + _CHUNK], listener))
+            except EmulationError as error:
+                raise EmulationError(f"{function}: {error}", at + error.case) from error
+        return b"".join(found)
+
+    def selftest(self) -> int:
+        """What the self-test returns, if it was linked in. Raises EmulationError."""
+        engine, registers = self._engine()
+        self._start(engine, registers, self.image.names.selftest, ())
+        return int(engine.reg_read(registers.result)) & 0xFFFF
 
     def _batch(self, function: str, cases: npt.NDArray[np.uint8], listener: Listener | None) -> bytes:
         """One chunk through the harness."""
-        import unicorn
-
         n = len(cases)
         index = [f.name for f in self.image.program.functions].index(function)
         size = n * result_size(self.layouts[function])
+        engine, registers = self._engine()
+        _map(engine, _CASES, max(cases.size, 1), writable=False)
+        engine.mem_write(_CASES, cases.tobytes())
+        _map(engine, _RESULTS, max(size, 1), writable=True)
+        if listener is not None:
+            listener.attach(engine, registers.sp)
+        try:
+            self._start(engine, registers, batch_symbol(index), (n, _CASES, _RESULTS))
+        except EmulationError as error:
+            left = self._word(engine, self.binary.symbols[LEFT])
+            raise EmulationError(str(error), n - left if 0 < left <= n else 0) from error
+        if listener is not None:
+            listener.finish(_STACK + untouched(engine.mem_read(_STACK, _STACK_SIZE)))
+        return bytes(engine.mem_read(_RESULTS, size)) if size else b""
+
+    def _engine(self) -> tuple[Any, _Registers]:
+        """An engine with the image and a painted stack."""
         engine, registers = _engine(self.image.compiler.target.cpu)
         for section in self.binary.sections:
             _map(engine, section.address, section.size, writable=section.address >= RAM)
             if section.data is not None:
                 engine.mem_write(section.address, section.data)
         _map(engine, _END, _PAGE, writable=False)
-        _map(engine, _CASES, max(cases.size, 1), writable=False)
-        engine.mem_write(_CASES, cases.tobytes())
-        _map(engine, _RESULTS, max(size, 1), writable=True)
         _map(engine, _STACK, _STACK_SIZE, writable=True)
         engine.mem_write(_STACK, bytes([PAINT]) * _STACK_SIZE)
-        sp, link, *arguments = registers
-        for register, value in zip(
-            (sp, *arguments, link), (_STACK + _STACK_SIZE, n, _CASES, _RESULTS, _END | 1), strict=True
-        ):
+        return engine, registers
+
+    def _start(self, engine: Any, registers: _Registers, symbol: str, arguments: Sequence[int]) -> None:
+        """Call a function of the image, and wait for it to return."""
+        import unicorn
+
+        thumb = int(self.image.compiler.target.machine == "thumb")
+        engine.reg_write(registers.sp, _STACK + _STACK_SIZE - _HOME)
+        engine.reg_write(registers.link, _END | thumb)
+        for register, value in zip(registers.arguments, arguments, strict=False):
             engine.reg_write(register, value)
-        if listener is not None:
-            listener.attach(engine, sp)
-        entry = self.binary.symbols[batch_symbol(index)]
-        if self.image.compiler.target.machine == "thumb":
-            entry |= 1
-        else:
-            engine.reg_write(link, _END)
         try:
-            engine.emu_start(entry, _END, timeout=_SECONDS * 1_000_000)
+            engine.emu_start(self.binary.symbols[symbol] | thumb, _END, timeout=int(self._seconds * 1_000_000))
         except unicorn.UcError as error:
-            raise EmulationError(f"{function}: {error} at {_pc(engine):#x}") from error
-        if _pc(engine) & ~1 != _END:
-            raise EmulationError(f"{function}: no end after {_SECONDS} s, at {_pc(engine):#x}")
-        if listener is not None:
-            listener.finish(_STACK + untouched(engine.mem_read(_STACK, _STACK_SIZE)))
-        return bytes(engine.mem_read(_RESULTS, size)) if size else b""
+            raise EmulationError(f"{error} at {engine.reg_read(registers.pc):#x}") from error
+        at = int(engine.reg_read(registers.pc))
+        if at & ~1 != _END:
+            raise EmulationError(f"no end after {self._seconds:g} s, at {at:#x}")
+
+    def _word(self, engine: Any, address: int) -> int:
+        big = self.image.compiler.target.machine == "mips"
+        return int.from_bytes(engine.mem_read(address, 4), "big" if big else "little")
 
 
-def _engine(cpu: str) -> tuple[Any, tuple[int, ...]]:
-    """A new engine, and its registers: stack pointer, link, three arguments."""
+def _engine(cpu: str) -> tuple[Any, _Registers]:
+    """A new engine for a core."""
     import unicorn
     from unicorn import arm_const as arm
+    from unicorn import mips_const as mips
     from unicorn import riscv_const as riscv
 
     if cpu == "RV32IMC":
-        engine = unicorn.Uc(unicorn.UC_ARCH_RISCV, unicorn.UC_MODE_RISCV32)
         a = (riscv.UC_RISCV_REG_A0, riscv.UC_RISCV_REG_A1, riscv.UC_RISCV_REG_A2)
-        return engine, (riscv.UC_RISCV_REG_SP, riscv.UC_RISCV_REG_RA, *a)
+        registers = _Registers(riscv.UC_RISCV_REG_SP, riscv.UC_RISCV_REG_RA, riscv.UC_RISCV_REG_PC, a, a[0])
+        return unicorn.Uc(unicorn.UC_ARCH_RISCV, unicorn.UC_MODE_RISCV32), registers
+    if cpu == "MIPS32R2":
+        a = (mips.UC_MIPS_REG_A0, mips.UC_MIPS_REG_A1, mips.UC_MIPS_REG_A2)
+        v = mips.UC_MIPS_REG_V0
+        registers = _Registers(mips.UC_MIPS_REG_SP, mips.UC_MIPS_REG_RA, mips.UC_MIPS_REG_PC, a, v)
+        return unicorn.Uc(unicorn.UC_ARCH_MIPS, unicorn.UC_MODE_MIPS32 | unicorn.UC_MODE_BIG_ENDIAN), registers
     engine = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
     models = {
         "Cortex-M0+": arm.UC_CPU_ARM_CORTEX_M0,
@@ -126,7 +167,7 @@ def _engine(cpu: str) -> tuple[Any, tuple[int, ...]]:
     }
     engine.ctl_set_cpu_model(models[cpu])
     r = (arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2)
-    return engine, (arm.UC_ARM_REG_SP, arm.UC_ARM_REG_LR, *r)
+    return engine, _Registers(arm.UC_ARM_REG_SP, arm.UC_ARM_REG_LR, arm.UC_ARM_REG_PC, r, r[0])
 
 
 def _map(engine: Any, address: int, size: int, *, writable: bool) -> None:
@@ -139,14 +180,6 @@ def _map(engine: Any, address: int, size: int, *, writable: bool) -> None:
     missing = [page for page in range(first, last + 1, _PAGE) if page not in mapped]
     if missing:
         engine.mem_map(missing[0], missing[-1] + _PAGE - missing[0], rights)
-
-
-def _pc(engine: Any) -> int:
-    import unicorn
-    from unicorn import arm_const, riscv_const
-
-    risc = engine._arch == unicorn.UC_ARCH_RISCV
-    return int(engine.reg_read(riscv_const.UC_RISCV_REG_PC if risc else arm_const.UC_ARM_REG_PC))
 
 
 assert FLASH < _END < RAM < _STACK < _CASES < _RESULTS

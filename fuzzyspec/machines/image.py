@@ -11,7 +11,7 @@ from types import TracebackType
 from fuzzyspec.emit.names import name_module
 from fuzzyspec.fixed.program import Program
 from fuzzyspec.machines.elf import Binary, read_elf
-from fuzzyspec.machines.harness import batch_symbol, pointer_symbol, print_emulated_harness, print_probe
+from fuzzyspec.machines.harness import LEFT, batch_symbol, pointer_symbol, print_emulated_harness, print_probe
 from fuzzyspec.machines.toolchains import OWN, CrossCompiler
 
 _CODE = ".text .text.* .rodata .rodata.* .srodata .srodata.* .progmem .progmem.*"
@@ -33,6 +33,14 @@ class Sizes:
     flash: int
     own: int
     ram: int
+
+
+class EmulationError(Exception):
+    """The built code did not come to its end: a fault, or no end at all. ``case``: how many calls had returned."""
+
+    def __init__(self, message: str, case: int = 0) -> None:
+        self.case = case
+        super().__init__(message)
 
 
 class Image:
@@ -71,14 +79,25 @@ class Image:
         flash = binary.size(".own", ".library")
         return Sizes(flash, binary.size(".own"), binary.size(".own_ram", ".ram"))
 
-    def emulated(self) -> Binary:
-        """All functions with the harness that feeds them (``harness.print_emulated_harness``)."""
+    def emulated(self, *, selftest: bool = False) -> Path:
+        """All functions with the harness that feeds them (``harness.print_emulated_harness``), linked."""
         source = self.write("harness.c", print_emulated_harness(self.program))
-        harness, made = self.path / "harness.o", self.path / "image.elf"
+        harness, made = self.path / "harness.o", self.path / "image"
         self.compiler.compile(source, harness, "O1", HARNESS)
         roots = [batch_symbol(i) for i in range(len(self.program.functions))]
-        self.compiler.link([self.own, harness], self.path / "layout.ld", made, roots)
-        return read_elf(made)
+        objects = [self.own, harness]
+        if selftest:
+            roots.append(self.names.selftest)
+            objects.append(self.selftest())
+        self.compiler.link(objects, self.path / "layout.ld", made, roots, (LEFT,))
+        return made
+
+    def selftest(self) -> Path:
+        """The self-test, compiled."""
+        made = self.path / "selftest.o"
+        if not made.exists():
+            self.compiler.compile(self.path / self.names.selftest_source, made, self.option, OWN)
+        return made
 
     def probed(self) -> Binary:
         """All functions with arguments for them (``harness.print_probe``)."""

@@ -16,8 +16,9 @@ from typing import Literal
 from fuzzyspec.diagnostics.refusal import MissingTool
 from fuzzyspec.native.toolchain import Toolchain
 
-Machine = Literal["thumb", "riscv32", "avr"]
+Machine = Literal["thumb", "riscv32", "mips", "avr", "wasm32"]
 Kind = Literal["gcc", "zig"]
+KINDS: tuple[Kind, ...] = ("gcc", "zig")
 
 OPTIMISATIONS = ("O2", "Os")
 
@@ -31,7 +32,7 @@ ZIG_QUIET = ("-fno-sanitize=all", "-fno-unwind-tables", "-fno-asynchronous-unwin
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """``gcc`` is the cross compiler's name and its flags; ``zig`` the flags of ``zig cc``, None where it will not do.
+    """``gcc`` is the cross compiler's name and its flags; ``zig`` the flags of ``zig cc``; None where it will not do.
 
     ``cpu`` names the core that is emulated.
     """
@@ -39,9 +40,9 @@ class Target:
     name: str
     machine: Machine
     cpu: str
-    gcc: tuple[str, ...]
+    gcc: tuple[str, ...] | None
     zig: tuple[str, ...] | None
-    package: str
+    package: str | None
 
 
 def _cortex(name: str, cpu: str) -> Target:
@@ -69,6 +70,19 @@ _ALL = (
     ),
     # zig has no <avr/pgmspace.h>, without which the tables would go to RAM.
     Target("avr", "avr", "ATmega328P", ("avr-gcc", "-mmcu=atmega328p"), None, "apt install gcc-avr avr-libc"),
+    # Big-endian. The GNU/Linux compiler is told to leave out what a bare machine does not have.
+    Target(
+        "mips-be",
+        "mips",
+        "MIPS32R2",
+        (
+            "mips-linux-gnu-gcc",
+            *["-EB", "-march=mips32r2", "-mno-abicalls", "-fno-pic", "-no-pie", "-static", "-G0", "-msoft-float"],
+        ),
+        ("-target", "mips-freestanding-eabi", "-mcpu=mips32r2+soft_float", "-fno-pic", "-mno-abicalls"),
+        "apt install gcc-mips-linux-gnu",
+    ),
+    Target("wasm32", "wasm32", "WebAssembly", None, ("-target", "wasm32-freestanding"), None),
 )
 TARGETS: Mapping[str, Target] = MappingProxyType({t.name: t for t in _ALL})
 
@@ -91,8 +105,17 @@ class CrossCompiler:
         quiet = ZIG_QUIET if self.kind == "zig" else ()
         self.toolchain.build([source], made, ("-c", f"-{option}", *flags, *quiet))
 
-    def link(self, objects: Sequence[Path], script: Path, made: Path, roots: Sequence[str]) -> None:
-        """An image laid out by a linker script: the roots, what they need, and nothing else. Raises BuildError."""
+    def link(
+        self, objects: Sequence[Path], script: Path, made: Path, roots: Sequence[str], data: Sequence[str] = ()
+    ) -> None:
+        """An image laid out by a linker script: the roots, what they need, and nothing else. Raises BuildError.
+
+        ``data``: variables that must be found by name.
+        """
+        if self.target.machine == "wasm32":
+            shown = [f"-Wl,--export={name}" for name in (*roots, *data, "__heap_base")]
+            self.toolchain.build(objects, made, ("-nostdlib", "-Wl,--no-entry", "-Wl,--gc-sections", *shown))
+            return
         wanted = [f"-Wl,-u,{name}" for name in roots]
         flags = ("-nostdlib", f"-Wl,-T,{script.name}", "-Wl,--gc-sections", f"-Wl,-e,{roots[0]}", *wanted)
         libraries = ("-lm", "-lgcc") if self.target.machine == "avr" else ("-lgcc",)  # AVR's floats are in avr-libc
@@ -101,15 +124,15 @@ class CrossCompiler:
 
 def find_compiler(target: Target, kind: Kind | None = None) -> CrossCompiler:
     """The target's gcc, else zig; only ``kind`` where that is given. MissingTool says how to get one."""
-    if kind in (None, "gcc") and shutil.which(target.gcc[0]) is not None:
+    if kind in (None, "gcc") and target.gcc is not None and shutil.which(target.gcc[0]) is not None:
         return CrossCompiler(target, "gcc", Toolchain(target.gcc))
     if kind in (None, "zig") and target.zig is not None and importlib.util.find_spec("ziglang") is not None:
         return CrossCompiler(target, "zig", Toolchain((sys.executable, "-m", "ziglang", "cc", *target.zig)))
-    ways = [target.package] if kind != "zig" else []
+    ways = [target.package] if target.package is not None and kind != "zig" else []
     if target.zig is not None and kind != "gcc":
         ways.append("pip install 'fuzzyc[targets]'")
     if not ways:
-        raise MissingTool(f"zig cannot build for {target.name}", "leave out --compiler zig")
+        raise MissingTool(f"{kind} cannot build for {target.name}", f"leave out --compiler {kind}")
     raise MissingTool(f"no compiler for {target.name} was found", f"get one: {' or '.join(ways)}")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from fuzzyspec.diagnostics.refusal import MissingTool
+from fuzzyspec.machines.machine import emulator_of
 from fuzzyspec.machines.toolchains import TARGETS, CrossCompiler, Kind, find_compiler
 from tests.conftest import required_tool, without
 
@@ -45,15 +46,16 @@ system both {
 
 def compiler_for(target: str, kind: Kind | None = None) -> CrossCompiler:
     """The compiler, or the test is skipped; likewise where the target's emulator is not here."""
-    if TARGETS[target].machine == "avr":
-        required_tool("simavr")
-    else:
-        pytest.importorskip("unicorn")
-    pytest.importorskip("elftools")
     try:
-        return find_compiler(TARGETS[target], kind)
+        found = find_compiler(TARGETS[target], kind)
     except MissingTool as error:
         without(str(error))
+    if emulator_of(found) == "simavr":
+        required_tool("simavr")
+    else:
+        pytest.importorskip(emulator_of(found))
+    pytest.importorskip("elftools")
+    return found
 
 
 def stand_in(body: str) -> dict[str, bytes]:
