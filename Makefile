@@ -18,7 +18,7 @@ ifneq ($(shell "$(PYTHON)" -V 2>&1),$(shell .venv/bin/python -V 2>&1))
 endif
 endif
 
-.PHONY: help demo test lint pytest test-long wheel generated bench fit clean compiler
+.PHONY: help demo test lint pytest test-long wheel generated bench fit fuzz clean compiler
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -53,6 +53,11 @@ bench: .venv/for-bench ## measure cost and error beside lookup tables, float C a
 
 fit: .venv/for-test ## measure what has changed of the cost model's training set, and fit its weights: minutes
 	@$(BIN)/python -m scripts.fit_costs
+
+RUNS ?= 1000000
+SEED ?= 1
+fuzz: .venv/for-fuzz ## a million inputs (RUNS, from SEED on) through parser and checker, guided by coverage: an hour
+	@$(BIN)/python -m tests.breaking.fuzz --runs $(RUNS) --seed $(SEED) --jobs 2
 
 clean: ## remove what make made, .venv too
 	rm -rf .venv out build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
@@ -89,4 +94,9 @@ compiler: .venv/made-in
 .venv/for-bench: .venv/made-in pyproject.toml constraints.txt | compiler
 	@echo "installing fuzzyc and what its benchmarks need into .venv"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
+	@touch $@
+
+.venv/for-fuzz: .venv/made-in pyproject.toml constraints.txt
+	@echo "installing fuzzyc and what its fuzzer needs into .venv"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fuzz]'
 	@touch $@

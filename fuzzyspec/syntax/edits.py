@@ -350,7 +350,7 @@ def _dropped(reading: Reading, at: int) -> Iterator[Edit]:
         return
     told = unexpected(reading, at)
     yield Edit(at, told, 5.0 if token.kind in OPENERS or token.kind in CLOSERS else 2.5, (), 1)
-    if token.kind in ("SLASH", "STAR", "DOT"):
+    if token.kind in ("SLASH", "STAR", "DOT") and reading.tokens[at + 1].kind != END:
         yield Edit(at, told, 3.0, (), 2)
 
 

@@ -18,9 +18,12 @@ _BUILDERS = build_fuzzy.BUILDERS | build_crisp.BUILDERS
 
 
 class Cell:
-    """Top of a stack: a state, the symbol that led to it, its value, and what lies below."""
+    """Top of a stack: a state, the symbol that led to it, its value, and what lies below.
 
-    __slots__ = ("below", "depth", "end", "start", "state", "symbol", "value")
+    ``viable`` is what can stand next, once that was asked (``viable``): it hangs on nothing but the stack.
+    """
+
+    __slots__ = ("below", "depth", "end", "start", "state", "symbol", "value", "viable")
 
     def __init__(self, state: int, symbol: str, value: Node, start: int, end: int, below: Cell | None) -> None:
         self.state = state
@@ -30,6 +33,7 @@ class Cell:
         self.end = end
         self.below = below
         self.depth: int = 0 if below is None else below.depth + 1
+        self.viable: frozenset[str] | None = None
 
 
 class Joined:
@@ -78,11 +82,36 @@ def advance_as(table: Table, cell: Cell, token: Token, kind: str) -> Cell | None
 
 def viable(table: Table, cell: Cell) -> frozenset[str]:
     """The terminals that can truly stand next (a table entry alone may be a reduction that leads nowhere)."""
-    return frozenset(
-        kind
-        for kind in (*table.states[cell.state], END)
-        if (kind == END or kind[0].isupper()) and advance_as(table, cell, made(table, kind, cell.end), kind) is not None
-    )
+    if cell.viable is None:
+        kinds = (*(kind for kind in table.states[cell.state] if kind[0].isupper()), END)
+        cell.viable = frozenset(kind for kind in kinds if _stands(table, cell, kind))
+    return cell.viable
+
+
+def _stands(table: Table, cell: Cell, kind: str) -> bool:
+    """Whether ``advance_as`` would find a stack: the same steps over states alone, without the values."""
+    pushed: list[int] = []
+    under: Cell | None = cell
+    while True:
+        assert under is not None
+        state = pushed[-1] if pushed else under.state
+        if kind == END and state == table.end:
+            return True
+        action = table.states[state].get(kind)
+        if action is None:
+            return False
+        _, production = action
+        if production is None:
+            return True
+        for _ in production.symbols:
+            if pushed:
+                pushed.pop()
+            else:
+                assert under is not None
+                under = under.below
+        assert under is not None
+        target, _ = table.states[pushed[-1] if pushed else under.state][production.origin]
+        pushed.append(target)
 
 
 def made(table: Table, kind: str, at: int) -> Token:

@@ -4,30 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from fuzzyspec.check import check
 from fuzzyspec.check.report import module_report
-from fuzzyspec.diagnostics.codes import REGISTRY
-from fuzzyspec.diagnostics.diagnostic import Diagnostic, Source
-from fuzzyspec.diagnostics.render import as_json, render
+from fuzzyspec.diagnostics.diagnostic import Source
+from fuzzyspec.diagnostics.render import render
 from fuzzyspec.emit import emit
 from fuzzyspec.lower import LoweringError, Options, lower
-from fuzzyspec.model.system import Module
-from fuzzyspec.syntax import parse
 from tests.breaking.mutants import mutant
-
-
-def checked(source: Source) -> tuple[Module | None, tuple[Diagnostic, ...]]:
-    """The model and all that was told, every diagnostic being one that can be shown."""
-    tree, torn = parse(source)
-    model, found = check(tree, source, torn)
-    told = (*torn, *found)
-    render(told, source)
-    as_json(told, source)
-    for d in told:
-        assert d.severity == REGISTRY[d.code].severity
-        assert all(0 <= s.start <= s.end <= len(source.text) for s in (d.span, *(each.span for each in d.labels)))
-    assert (model is None) == any(d.severity == "error" for d in told)
-    return model, told
+from tests.breaking.oracle import checked
 
 
 @pytest.mark.parametrize("first", range(0, 1000, 100))
