@@ -13,22 +13,19 @@ from fuzzyspec.model.controller import Controller, Input, Output
 
 
 def dominant(strengths: Strengths, bound: CentroidBound | AverageBound, output: int, box: Boxes) -> Dominant:
-    """Of the one box where an output's bound is largest. An input's share is what goes away without its errors."""
-    numbers, name = strengths.numbers, strengths.controller.outputs[output].name
+    """Of the one box where an output's bound is largest."""
+    name = strengths.controller.outputs[output].name
     parts = bound.parts(strengths.levels(box)[output])
     degrees, rounding = float(parts.degrees[0]), float(parts.rounding[0])
     shares = {f"areas and moments of {name}": rounding, f"quotient and rounding of {name}": parts.tail}
     if isinstance(bound, AverageBound):
         shares = {f"products and sums of {name}": rounding, f"quotient and rounding of {name}": parts.tail}
     if np.isfinite(degrees):
-        rest = degrees
-        for i, item in enumerate(strengths.controller.inputs):
-            without = strengths.without(i)
-            left = float(bound.parts(without.levels(box)[output]).degrees[0])
-            shares[f"degrees of {item.name}"] = degrees - left
-            rest -= degrees - left
-        shares["strengths of the rules"] = rest if numbers.cell_error or any(numbers.sentence_errors) else 0.0
-        total = max(degrees + rounding + parts.tail, 2.0**-1000)
+        # What each adds if it alone errs; together they may be less than their sum.
+        alone = {f"degrees of {item.name}": strengths.alone(i) for i, item in enumerate(strengths.controller.inputs)}
+        alone["strengths of the rules"] = strengths.alone(None)
+        shares |= {k: float(bound.parts(s.levels(box)[output]).degrees[0]) for k, s in alone.items()}
+        total = max(sum(shares.values()), 2.0**-1000)
     else:
         shares, total = {f"the area of {name}, which can come too near 0": 1.0}, 1.0
     kernel = max(shares, key=lambda k: shares[k])

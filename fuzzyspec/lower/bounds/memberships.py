@@ -25,8 +25,7 @@ class Membership:
     """One piecewise-linear term in relative positions (0 .. 1 over the variable's range).
 
     ``x`` are its breakpoints, ``before``/``after`` the limits from either side, ``low``/``high`` the least and
-    largest value
-    at each breakpoint.
+    largest value at each breakpoint, ``jumps`` those where there is more than one; ``slopes`` lie between them.
     """
 
     x: Floats
@@ -34,8 +33,32 @@ class Membership:
     after: Floats
     low: Floats
     high: Floats
-    steepest: float
-    jumps: bool
+    slopes: Floats
+    jumps: npt.NDArray[np.bool_]
+
+    @property
+    def steepest(self) -> float:
+        """The largest slope anywhere, jumps apart."""
+        return float(np.abs(self.slopes).max(initial=0.0))
+
+    def slope(self, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
+        """Least and largest slope inside each open interval ``lo .. hi``, jumps apart; 0 for those without length."""
+        least, most = np.zeros(len(lo)), np.zeros(len(lo))
+        first = np.ones(len(lo), dtype=np.bool_)
+        outside = ((lo < self.x[0]) | (hi > self.x[-1]), 0.0)
+        pieces = [((lo < b) & (hi > a), k) for a, b, k in zip(self.x, self.x[1:], self.slopes, strict=False)]
+        for inside, k in (outside, *pieces):
+            least = np.where(inside, np.where(first, k, np.minimum(least, k)), least)
+            most = np.where(inside, np.where(first, k, np.maximum(most, k)), most)
+            first &= ~inside
+        return least, most
+
+    def jumps_in(self, lo: Floats, hi: Floats) -> npt.NDArray[np.bool_]:
+        """Whether the closed interval holds a jump."""
+        found = np.zeros(len(lo), dtype=np.bool_)
+        for x in self.x[self.jumps]:
+            found |= (lo <= x) & (x <= hi)
+        return found
 
     def over(self, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
         """Least and largest membership over each closed interval ``lo .. hi``."""
@@ -77,15 +100,15 @@ def membership(shape: Shape, lo: Fraction, hi: Fraction) -> Membership:
     groups = [[y for x, y in points if x == at] for at in xs]
     before = [g[0] for g in groups]
     after = [g[-1] for g in groups]
-    slopes = [abs(b - a) / (x1 - x0) * span for x0, x1, a, b in zip(xs, xs[1:], after, before[1:], strict=False)]
+    slopes = [(b - a) / (x1 - x0) * span for x0, x1, a, b in zip(xs, xs[1:], after, before[1:], strict=False)]
     return Membership(
         np.array([float((x - lo) / span) for x in xs]),
         np.array([float(b) for b in before]),
         np.array([float(a) for a in after]),
         np.array([float(min(g)) for g in groups]),
         np.array([float(max(g)) for g in groups]),
-        float(max(slopes, default=Fraction(0))) * (1 + SLACK),
-        any(len(set(g)) > 1 for g in groups),
+        np.array([float(k) for k in slopes]) * (1 + SLACK),
+        np.array([len(set(g)) > 1 for g in groups]),
     )
 
 

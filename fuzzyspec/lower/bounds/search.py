@@ -174,7 +174,6 @@ class _Search:
         self.outputs = outputs
         self.effort = effort
         self.failure = ""
-        self.steep = np.array([max(1.0, *(m.steepest for m in terms)) for terms in strengths.terms])
 
     def run(self) -> _Found:
         """The certified bound of each output, relative to its range."""
@@ -187,7 +186,7 @@ class _Search:
         while looked < self.effort.boxes:
             over = total / np.maximum(floor * CLOSE_ENOUGH, 1e-300)
             score = over.max(axis=1)
-            wide = ((boxes.hi - boxes.lo) * self.steep).max(axis=1) > NARROWEST
+            wide = self.strengths.travel(boxes).max(axis=1) > NARROWEST
             open_ = np.flatnonzero((score > 1) & wide)
             if not len(open_):
                 break
@@ -249,7 +248,7 @@ class _Search:
 
     def _split(self, boxes: Boxes, chosen: np.typing.NDArray[np.int64]) -> Boxes:
         lo, hi = boxes.lo[chosen], boxes.hi[chosen]
-        side = ((hi - lo) * self.steep).argmax(axis=1)
+        side = self.strengths.travel(boxes.some(chosen)).argmax(axis=1)
         row = np.arange(len(chosen))
         middle = (lo[row, side] + hi[row, side]) / 2
         left_hi, right_lo = hi.copy(), lo.copy()

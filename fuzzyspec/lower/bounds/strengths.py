@@ -71,50 +71,55 @@ class Strengths:
         found: list[list[Band]] = []
         for i, terms in enumerate(self.terms):
             own = float(self.numbers.degree_errors[i])
-            e = self._input_error(i, boxes)
+            e = self.errors[i]
             row: list[Band] = []
             for m in terms:
                 lo, hi = m.over(boxes.lo[:, i] - e, boxes.hi[:, i] + e)
                 rounding = np.where((hi <= 0) | (lo >= 1), 0.0, own)
-                if not e.any():
+                if not e:
                     row.append(Band(lo, hi, rounding))
                     continue
-                moved = m.over(boxes.lo[:, i] - 2 * e, boxes.hi[:, i] + 2 * e)
+                # From the raw's value to the exact input's: along the slopes on the way, or by a jump there.
+                left, right = boxes.lo[:, i] - 2 * e, boxes.hi[:, i] + 2 * e
+                moved = m.over(left, right)
                 reach = moved[1] - moved[0]
-                slide = reach if m.jumps else np.minimum(reach, m.steepest * e)
-                slide = np.where((e == 0) | (reach == 0), 0.0, slide)
-                row.append(Band(lo, hi, rounding + slide))
+                steep = np.maximum.reduce([np.abs(k) for k in m.slope(left, right)])
+                slide = np.where(m.jumps_in(left, right), reach, np.minimum(reach, steep * e))
+                row.append(Band(lo, hi, rounding + np.where(reach == 0, 0.0, slide)))
             found.append(row)
         return found
 
-    def without(self, i: int) -> Strengths:
-        """The same, were input i and its degrees without errors."""
-        own = self.numbers.degree_errors
-        numbers = replace(self.numbers, degree_errors=(*own[:i], Fraction(0), *own[i + 1 :]))
-        return Strengths(numbers, (*self.errors[:i], 0.0, *self.errors[i + 1 :]))
+    def alone(self, i: int | None) -> Strengths:
+        """The same, were nothing to err but input i and its degrees; for None, nothing but what rules round."""
+        numbers = self.numbers
+        one = replace(
+            numbers,
+            degree_errors=tuple(e if k == i else Fraction(0) for k, e in enumerate(numbers.degree_errors)),
+            cell_error=numbers.cell_error if i is None else Fraction(0),
+            sentence_errors=tuple(e if i is None else Fraction(0) for e in numbers.sentence_errors),
+        )
+        return Strengths(one, tuple(e if k == i else 0.0 for k, e in enumerate(self.errors)))
 
     def farthest(self, i: int) -> float:
         """How far an interpolation along input i can be led astray, in units of an edge; not capped at 1, since an
         input's
         error may reach over several terms."""
-        low, high = self.legal(i)
-        e = max(self.errors[i], low, 1 - high)
-        return float(self.numbers.degree_errors[i]) + e * max(m.steepest for m in self.terms[i])
+        return float(self.numbers.degree_errors[i]) + self.errors[i] * max(m.steepest for m in self.terms[i])
+
+    def travel(self, boxes: Boxes) -> Floats:
+        """By input, the most that a degree can move from one side of a box to the other, jumps apart; (B, inputs)."""
+        columns: list[Floats] = []
+        for i, terms in enumerate(self.terms):
+            lo, hi = boxes.lo[:, i], boxes.hi[:, i]
+            slopes = [np.abs(k) for m in terms for k in m.slope(lo, hi)]
+            columns.append((hi - lo) * np.maximum.reduce(slopes))
+        return np.stack(columns, axis=1)
 
     def legal(self, i: int) -> tuple[float, float]:
         """The legal raws' ends, relative to the range."""
         v = self.controller.inputs[i].variable
         ends = sorted((v.raw.value(v.raw.lo), v.raw.value(v.raw.hi)))
         return float((ends[0] - v.lo) / (v.hi - v.lo)), float((ends[1] - v.lo) / (v.hi - v.lo))
-
-    def _input_error(self, i: int, boxes: Boxes) -> Floats:
-        """How far the exact input may be from the raw's value: where a raw was saturated, also by what that costs."""
-        low, high = self.legal(i)
-        slack = 2.0**-50
-        at_low = np.where(boxes.lo[:, i] <= low + slack, low, 0.0)
-        at_high = np.where(boxes.hi[:, i] >= high - slack, 1 - high, 0.0)
-        result: Floats = np.maximum(np.maximum(at_low, at_high), self.errors[i])
-        return result
 
     def levels(self, boxes: Boxes) -> list[Band]:
         """For every output the levels of its terms, arrays (B, terms)."""
