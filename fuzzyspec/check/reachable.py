@@ -226,8 +226,10 @@ def _fired(controller: Controller, output: int, degrees: Sequence[Sequence[Fract
     """(term, strength) of every rule that sets the output and fires at all."""
     fired: list[tuple[int, Fraction]] = []
     for rule in controller.sentences:
-        strength = rule_strength(rule, degrees, controller.infer)
-        fired += [(term, strength) for o, term in rule.consequents if o == output]
+        terms = [term for o, term in rule.consequents if o == output]
+        if terms:
+            strength = rule_strength(rule, degrees, controller.infer)
+            fired += [(term, strength) for term in terms]
     if controller.cells is not None:
         for cell in itertools.product(*([t for t, d in enumerate(ds) if d > 0] for ds in degrees)):
             flat = 0

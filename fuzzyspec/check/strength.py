@@ -73,7 +73,8 @@ def strongest(setters: Setters, spot: Spot) -> Fraction:
 
 def rule_strength(rule: SentenceRule, degrees: Sequence[Sequence[Fraction]], infer: Inference) -> Fraction:
     """Strength of a sentence rule, its weight included."""
-    return rule.weight * _truth(rule.antecedent, degrees, infer)
+    truth = _truth(rule.antecedent, degrees, infer)
+    return rule.weight * truth if truth else truth
 
 
 def conjunction(values: Sequence[Fraction], infer: Inference) -> Fraction:
@@ -99,13 +100,19 @@ def disjunction(values: Sequence[Fraction], infer: Inference) -> Fraction:
 
 
 def _truth(antecedent: Antecedent, degrees: Sequence[Sequence[Fraction]], infer: Inference) -> Fraction:
+    """Of an ``and`` no more is asked than up to its first 0, which is what most rules come to."""
     match antecedent:
         case Is(index, terms):
             return disjunction([degrees[index][t] for t in terms], infer)
         case Not(operand):
             return ONE - _truth(operand, degrees, infer)
         case And(operands):
-            return conjunction([_truth(o, degrees, infer) for o in operands], infer)
+            values: list[Fraction] = []
+            for operand in operands:
+                values.append(_truth(operand, degrees, infer))
+                if not values[-1]:
+                    return ZERO
+            return conjunction(values, infer)
         case Or(operands):
             return disjunction([_truth(o, degrees, infer) for o in operands], infer)
         case _:

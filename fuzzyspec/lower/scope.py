@@ -85,12 +85,15 @@ class Scope:
     """Hands out names; a taken one gets a number."""
 
     taken: set[str] = field(default_factory=lambda: set(RESERVED))
+    numbers: dict[str, int] = field(default_factory=dict)
+    """The number at which to go on asking, by the name wanted: no lower one is free."""
 
     def name(self, wanted: str) -> str:
         name = wanted
-        number = 2
+        number = self.numbers.get(wanted, 2)
         while name in self.taken:
             name = f"{wanted}_{number}"
             number += 1
+        self.numbers[wanted] = number
         self.taken.add(name)
         return name

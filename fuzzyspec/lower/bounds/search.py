@@ -88,7 +88,7 @@ def bound_controller(
         span = output.variable.hi - output.variable.lo
         bound = found.worst[o] * (1 + 2.0**-40)
         certified[output.name] = bound < 1
-        error = min(Fraction(bound), Fraction(1)) * span
+        error = Fraction(min(bound, 1.0)) * span
         dominants[output.name] = (
             None if found.boxes is None else dominant(strengths, outputs[o], o, found.boxes.some([o]))
         )
