@@ -14,7 +14,7 @@ from fuzzyspec.fixed.build import RangeError
 from fuzzyspec.fixed.certificate import Band, Certificate, Dominant, OutputBound
 from fuzzyspec.fixed.program import Division, Function, Program, Quotient
 from fuzzyspec.fixed.prune import expressions, nodes
-from fuzzyspec.lower.bounds import Effort, bound_controller, means
+from fuzzyspec.lower.bounds import ControllerBounds, Effort, bound_controller, means
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
 from fuzzyspec.lower.choice import WIDTHS, Candidate, candidate, choose, weigh
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
@@ -117,6 +117,7 @@ def _lowered(module: Module, chosen: Options, full: frozenset[str]) -> Lowered:
     numbers: dict[str, ControllerNumbers] = {}
     divisions: dict[str, Division] = {}
     prepared: dict[str, Means] = {}
+    bounds: dict[str, ControllerBounds] = {}
     certificates: dict[str, Certificate] = {}
     problems: list[Diagnostic] = []
     for controller in module.controllers:
@@ -130,14 +131,17 @@ def _lowered(module: Module, chosen: Options, full: frozenset[str]) -> Lowered:
         divisions[controller.name] = taken.strategy.division
         numbers[controller.name] = found
         prepared[controller.name] = means(found)
-        certificates[controller.name] = _of_controller(controller, found, alone, chosen, prepared[controller.name])
+        exact = (Fraction(0),) * len(controller.inputs)
+        bounds[controller.name] = bound_controller(found, exact, alone, prepared[controller.name])
+        certificates[controller.name] = _of_controller(controller, bounds[controller.name], chosen)
     cache: dict[tuple[str, tuple[Fraction, ...]], CallBounds] = {}
 
     def certify(controller: Controller, errors: tuple[Fraction, ...]) -> CallBounds:
         key = (controller.name, errors)
         if key not in cache:
-            bounds = bound_controller(numbers[controller.name], errors, called, prepared[controller.name])
-            cache[key] = CallBounds(bounds.errors, bounds.reasons, bounds.bands, bounds.dominants)
+            name = controller.name
+            found = bound_controller(numbers[name], errors, called, prepared[name], bounds[name])
+            cache[key] = CallBounds(found.errors, found.reasons, found.bands, found.dominants)
         return cache[key]
 
     for system in module.systems:
@@ -190,10 +194,7 @@ def _system(
     return min((best, *others), key=lambda tried: cost(tried[0]))
 
 
-def _of_controller(
-    controller: Controller, numbers: ControllerNumbers, effort: Effort, options: Options, prepared: Means
-) -> Certificate:
-    bounds = bound_controller(numbers, (Fraction(0),) * len(controller.inputs), effort, prepared)
+def _of_controller(controller: Controller, bounds: ControllerBounds, options: Options) -> Certificate:
     outputs = tuple(
         _output(o.name, o.variable, bounds.errors[o.name], bounds.reasons[o.name], bounds.dominants[o.name])
         for o in controller.outputs
@@ -203,7 +204,7 @@ def _of_controller(
 
 def _of_system(system: System, function: Function, numbers: SystemNumbers, options: Options) -> Certificate:
     outputs = tuple(
-        _output(p.name, p.variable, numbers.errors[p.name], numbers.reasons[p.name])
+        _output(p.name, p.variable, numbers.errors[p.name], numbers.reasons[p.name], numbers.dominants.get(p.name))
         for p in function.outputs
         if p.variable is not None
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import assert_never
 
@@ -68,6 +68,7 @@ class SystemNumbers:
     errors: dict[str, Fraction]
     reasons: dict[str, str]
     bands: tuple[Band, ...]
+    dominants: dict[str, Dominant]
 
 
 @dataclass
@@ -85,6 +86,8 @@ class Lowering:
     nested: list[tuple[str, str]] = field(default_factory=list)
     bands: list[Band] = field(default_factory=list)
     reasons: dict[str, str] = field(default_factory=dict)
+    dominants: dict[str, Dominant] = field(default_factory=dict)
+    """What the calls' bounds owe most to, by cause."""
     known: dict[tuple[str, str], Scaled] = field(default_factory=dict)
     element: dict[tuple[str, str], Scaled] | None = None
     folded: dict[int, Scaled] = field(default_factory=dict)
@@ -146,7 +149,8 @@ class Lowering:
             (),
             tuple(self.body),
         )
-        return function, SystemNumbers(errors, self.reasons, tuple(self.bands))
+        owed = {name: self.dominants[cause] for name, cause in self.reasons.items() if cause in self.dominants}
+        return function, SystemNumbers(errors, self.reasons, tuple(self.bands), owed)
 
     def bit(self, name: str, meaning: str) -> str:
         if all(b.name != name for b in self.status):
@@ -341,6 +345,9 @@ class Lowering:
             results.append((output.name, local))
             cause = f"{call.id}.{output.name}: {bounds.reasons[output.name]}{worst_input}"
             value = read(output.variable, local, bounds.errors[output.name], cause)
+            dominant = bounds.dominants[output.name]
+            if dominant is not None:
+                self.dominants[cause] = replace(dominant, kernel=f"{call.id}: {dominant.kernel}")
             if self.element is not None:
                 self.element["call", f"{call.id}.{output.name}"] = value
             else:

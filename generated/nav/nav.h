@@ -224,20 +224,20 @@ typedef struct {
 } nav_output_t;
 
 /* One step of system nav.
- * v: certified error 0.0021 m/s, 0.3 % of range; reaches 0 .. 0.7 m/s while a rule fires
- * w: certified error 0.0025 rad/s, 0.41 % of range; reaches -0.3 .. 0.3 rad/s while a rule fires
- * v_left: certified error 0.0025 m/s, 0.32 % of range
- * v_right: certified error 0.0025 m/s, 0.32 % of range
- * errors of v by origin: drive.v: degrees 99 %, areas and moments 0 %, quotient and rounding 1 %;
- *   its input right is off by up to 0.0184 %
- * errors of w by origin: drive.w: degrees 99 %, areas and moments 0 %, quotient and rounding 1 %;
- *   its input right is off by up to 0.0184 %
- * errors of v_left by origin: drive.v: degrees 99 %, areas and moments 0 %, quotient and rounding 1
- *   %; its input right is off by up to 0.0184 %
- * errors of v_right by origin: drive.v: degrees 99 %, areas and moments 0 %, quotient and rounding
- *   1 %; its input right is off by up to 0.0184 %
+ * v: certified error 0.00023 m/s, 0.032 % of range; reaches 0 .. 0.7 m/s while a rule fires
+ * w: certified error 0.00058 rad/s, 0.097 % of range; reaches -0.3 .. 0.3 rad/s while a rule fires
+ * v_left: certified error 0.00033 m/s, 0.041 % of range
+ * v_right: certified error 0.00033 m/s, 0.041 % of range
+ * errors of v by origin: drive.v: errors of its inputs 79 %, its own 21 %; its input right is off
+ *   by up to 0.00902 %
+ * errors of w by origin: drive.w: errors of its inputs 87 %, its own 13 %; its input right is off
+ *   by up to 0.00902 %
+ * errors of v_left by origin: drive.v: errors of its inputs 79 %, its own 21 %; its input right is
+ *   off by up to 0.00902 %
+ * errors of v_right by origin: drive.v: errors of its inputs 79 %, its own 21 %; its input right is
+ *   off by up to 0.00902 %
  * decisions on computed values, where the exact meaning may decide otherwise only this near a tie:
- *   which behavior acts [drive.acting]: within 0.00074
+ *   which behavior acts [drive.acting]: within 0.00037
  */
 nav_status_t nav_step(const nav_input_t *in, nav_output_t *out);
 

@@ -29,7 +29,7 @@ def dominant(strengths: Strengths, bound: CentroidBound | AverageBound, output: 
     else:
         shares, total = {f"the area of {name}, which can come too near 0": 1.0}, 1.0
     kernel = max(shares, key=lambda k: shares[k])
-    return Dominant(_where(strengths, box), kernel, min(100, round(100 * shares[kernel] / total)))
+    return Dominant(where(strengths, box), kernel, min(100, round(100 * shares[kernel] / total)))
 
 
 def dominant_edge(
@@ -51,7 +51,16 @@ def otherwise_rounded(output: Output) -> Dominant:
     return Dominant("where nothing fires", f"rounding of the value that {output.name} has otherwise", 100)
 
 
-def _where(strengths: Strengths, box: Boxes) -> str:
+def carried_on(strengths: Strengths, output: int, box: Boxes, shares: list[float]) -> Dominant:
+    """Of a bound that is most of all an input's error; ``shares`` are the inputs', of any unit."""
+    controller = strengths.controller
+    i = max(range(len(shares)), key=lambda k: shares[k])
+    kernel = f"error of {controller.inputs[i].name}, times how steep {controller.outputs[output].name} is there"
+    return Dominant(where(strengths, box), kernel, round(100 * shares[i] / (sum(shares) or 1.0)))
+
+
+def where(strengths: Strengths, box: Boxes) -> str:
+    """A box in the spec's words: its middle, and the terms that are active there."""
     return ", ".join(
         _place(item, [t.name for t, b in zip(item.terms, row, strict=True) if b.hi[0] > 0], box.lo[0, i], box.hi[0, i])
         for i, (item, row) in enumerate(zip(strengths.controller.inputs, strengths.degrees(box), strict=True))

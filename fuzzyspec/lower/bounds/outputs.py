@@ -55,18 +55,10 @@ class CentroidBound:
     def parts(self, levels: Band) -> Parts:
         lo = np.maximum(levels.lo - levels.off, 0.0)
         hi: Floats = np.where(levels.hi > 0, np.minimum(levels.hi + levels.off, 1.0), 0.0)
-        middle = np.round((levels.lo + levels.hi) / 2 * DEGREE_ONE) / DEGREE_ONE
-        half = np.maximum(levels.hi - middle, middle - levels.lo)
         # Where some rule always fires, the integer strength may lie below the threshold by its error.
         reached = self.fires_at - (float(levels.off.max(initial=0.0)) if self.sure else 0.0)
-        area_lo = np.maximum(self.area(lo), self._fired_area(hi, reached)) - FLOAT_SLACK
-        wide = self._support(hi)
-        area_mid = self.area(middle)
-        y_mid = np.where(area_mid > 0, self.moment(middle) / np.where(area_mid > 0, area_mid, 1.0), 0.5)
-        spread = self._moved(half, np.minimum(lo, middle), wide)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            reach = np.where(area_mid > 0, spread / area_mid, np.inf) + FLOAT_SLACK
-        y = (np.maximum(wide[0], y_mid - reach), np.minimum(wide[1], y_mid + reach))
+        area_lo = self.area_over(lo, hi, reached)
+        y = self.mean(levels.lo, levels.hi, lo, hi)
         moved = self._moved(levels.off, lo, y)
         rounding, area_off = self._rounding(lo, hi, y)
         safe = area_lo - area_off
@@ -78,6 +70,26 @@ class CentroidBound:
         degrees, rounded = np.where(silent, 0.0, degrees), np.where(silent, 0.0, rounded)
         degrees = np.where(fires_on_nothing(levels, self.fires_at, self.sure), np.inf, degrees)
         return Parts(degrees, rounded, self.tail)
+
+    def area_over(self, lo: Floats, hi: Floats, reached: float) -> Floats:
+        """The least area for levels in ``lo .. hi`` of which one is at least ``reached``."""
+        result: Floats = np.maximum(self.area(lo), self._fired_area(hi, reached)) - FLOAT_SLACK
+        return result
+
+    def mean(
+        self, lo: Floats, hi: Floats, least: Floats | None = None, most: Floats | None = None
+    ) -> tuple[Floats, Floats]:
+        """Where the mean lies for levels in ``lo .. hi``, in what levels of ``least .. most`` raise."""
+        least, most = lo if least is None else least, hi if most is None else most
+        middle = np.round((lo + hi) / 2 * DEGREE_ONE) / DEGREE_ONE
+        half = np.maximum(hi - middle, middle - lo)
+        wide = self.support(most)
+        area = self.area(middle)
+        y = np.where(area > 0, self.moment(middle) / np.where(area > 0, area, 1.0), 0.5)
+        spread = self._moved(half, np.minimum(least, middle), wide)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = np.where(area > 0, spread / area, np.inf) + FLOAT_SLACK
+        return np.maximum(wide[0], y - reach), np.minimum(wide[1], y + reach)
 
     def area(self, levels: Floats) -> Floats:
         """A lower bound of the union's area at these levels; exact for levels on the grid."""
@@ -102,7 +114,7 @@ class CentroidBound:
                 floor = np.where(hi[:, s.members[0]] >= at, np.minimum(floor, own), floor)
         return np.where(np.isfinite(floor), floor, 0.0)
 
-    def _support(self, hi: Floats) -> tuple[Floats, Floats]:
+    def support(self, hi: Floats) -> tuple[Floats, Floats]:
         left, right = np.full(len(hi), np.inf), np.full(len(hi), -np.inf)
         for k, (a, b) in enumerate(self.level_sets):
             active = hi[:, k] > 0
@@ -228,20 +240,24 @@ class AverageBound:
         lo = np.maximum(levels.lo - levels.off, 0.0)
         reached = self.fires_at - (float(levels.off.max(initial=0.0)) if self.sure else 0.0)
         area = np.maximum(lo.sum(axis=1), max(reached, 0.0)) - FLOAT_SLACK
-        active = levels.hi > 0
-        left = np.where(active, self.places, np.inf).min(axis=1)
-        right = np.where(active, self.places, -np.inf).max(axis=1)
-        some = left <= right
-        left, right = np.where(some, left, 0.0), np.where(some, right, 1.0)
-        middle = (levels.lo + levels.hi) / 2
-        total = middle.sum(axis=1)
-        safe = np.where(total > 0, total, 1.0)
-        y_mid = (middle * self.places).sum(axis=1) / safe
-        lever = np.maximum(np.abs(self.places - left[:, None]), np.abs(self.places - right[:, None]))
-        reach = ((levels.hi - levels.lo) / 2 * lever).sum(axis=1) / safe
-        y_lo, y_hi = np.maximum(left, y_mid - reach)[:, None], np.minimum(right, y_mid + reach)[:, None]
+        y_lo, y_hi = (y[:, None] for y in self.mean(levels.lo, levels.hi))
         lever = np.maximum(np.abs(self.places - y_lo), np.abs(self.places - y_hi))
         area = np.maximum(area, 2.0**-1000)
         degrees = (levels.off * lever).sum(axis=1) / area
         degrees = np.where(fires_on_nothing(levels, self.fires_at, self.sure), np.inf, degrees)
         return Parts(degrees, self.weight_error + self.product_error / area, self.tail)
+
+    def mean(self, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
+        """Where the mean lies for levels in ``lo .. hi``."""
+        active = hi > 0
+        left = np.where(active, self.places, np.inf).min(axis=1)
+        right = np.where(active, self.places, -np.inf).max(axis=1)
+        some = left <= right
+        left, right = np.where(some, left, 0.0), np.where(some, right, 1.0)
+        middle = (lo + hi) / 2
+        total = middle.sum(axis=1)
+        safe = np.where(total > 0, total, 1.0)
+        y = (middle * self.places).sum(axis=1) / safe
+        lever = np.maximum(np.abs(self.places - left[:, None]), np.abs(self.places - right[:, None]))
+        reach = ((hi - lo) / 2 * lever).sum(axis=1) / safe
+        return np.maximum(left, y - reach), np.minimum(right, y + reach)

@@ -59,26 +59,17 @@ def means(numbers: ControllerNumbers) -> tuple[CentroidBound | AverageBound, ...
     )
 
 
-def bound_controller(
-    numbers: ControllerNumbers,
-    input_errors: tuple[Fraction, ...],
-    effort: Effort,
-    prepared: tuple[CentroidBound | AverageBound, ...] | None = None,
+def bound_at_once(
+    strengths: Strengths, outputs: list[CentroidBound | AverageBound], effort: Effort
 ) -> ControllerBounds:
-    """|integer program - exact| of every output over all inputs, each input off by at most its error (in its unit).
+    """Every degree off by its own rounding and by what its input's error does to it, which may be all.
 
-    ``prepared`` are the controller's :func:`means`, where it is bounded more than once.
+    ``outputs`` are the controller's :func:`means`.
     """
-    controller = numbers.controller
-    relative = tuple(
-        float(e / (i.variable.hi - i.variable.lo)) * (1 + 2.0**-50)
-        for e, i in zip(input_errors, controller.inputs, strict=True)
-    )
-    strengths = Strengths(numbers, relative)
+    numbers, controller = strengths.numbers, strengths.controller
     if any(isinstance(n, MultilinearNumbers) for n in numbers.outputs):
         return _multilinear(numbers, strengths)
-    outputs = list(means(numbers)) if prepared is None else list(prepared)
-    search = _Search(strengths, outputs, effort)
+    search = Search(strengths, outputs, effort)
     found = search.run()
     errors: dict[str, Fraction] = {}
     reasons: dict[str, str] = {}
@@ -101,7 +92,7 @@ def bound_controller(
         reasons[output.name] = (
             _reason(found.parts[o]) if bound < 1 else search.failure or _why_none(controller.outputs[o].name)
         )
-    return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths), dominants)
+    return ControllerBounds(errors, reasons, certified, decision_bands(numbers, strengths), dominants)
 
 
 def _multilinear(numbers: ControllerNumbers, strengths: Strengths) -> ControllerBounds:
@@ -121,7 +112,7 @@ def _multilinear(numbers: ControllerNumbers, strengths: Strengths) -> Controller
         reasons[output.name] = _reason((float(moved), float(rounded), 0.0))
         certified[output.name] = moved + rounded < 1
         dominants[output.name] = dominant_edge(controller, output, found.edges, off, rounded)
-    return ControllerBounds(errors, reasons, certified, _bands(numbers, strengths), dominants)
+    return ControllerBounds(errors, reasons, certified, decision_bands(numbers, strengths), dominants)
 
 
 def _why_none(name: str) -> str:
@@ -134,8 +125,8 @@ def _reason(parts: tuple[float, float, float]) -> str:
     return f"degrees {shares[0]} %, areas and moments {shares[1]} %, quotient and rounding {shares[2]} %"
 
 
-def _bands(numbers: ControllerNumbers, strengths: Strengths) -> tuple[DecisionBand, ...]:
-    """How close strengths must be for the two meanings to decide differently about them."""
+def strength_error(numbers: ControllerNumbers, strengths: Strengths) -> Fraction:
+    """How far a rule's strength can be off, over all inputs."""
     controller = numbers.controller
     whole = Boxes(np.zeros((1, len(controller.inputs))), np.ones((1, len(controller.inputs))))
     degrees = strengths.degrees(whole)
@@ -145,6 +136,13 @@ def _bands(numbers: ControllerNumbers, strengths: Strengths) -> tuple[DecisionBa
     for rule, error in zip(controller.sentences, numbers.sentence_errors, strict=True):
         spoken = float(strengths.sentence(rule.antecedent, degrees).off.max())
         cells = max(cells, Fraction(spoken) + error)
+    return cells
+
+
+def decision_bands(numbers: ControllerNumbers, strengths: Strengths) -> tuple[DecisionBand, ...]:
+    """How close strengths must be for the two meanings to decide differently about them."""
+    controller = numbers.controller
+    cells = strength_error(numbers, strengths)
     bands: list[DecisionBand] = []
     for output, sure in zip(controller.outputs, controller.always_fires, strict=True):
         if not sure:
@@ -160,7 +158,7 @@ def _bands(numbers: ControllerNumbers, strengths: Strengths) -> tuple[DecisionBa
 
 
 @dataclass(frozen=True)
-class _Found:
+class Found:
     """By output: the bound relative to the range, its parts where it is reached, and (None without any) that box."""
 
     worst: list[float]
@@ -168,19 +166,21 @@ class _Found:
     boxes: Boxes | None
 
 
-class _Search:
+class Search:
+    """Boxes of a controller's inputs, split where their bound is worst."""
+
     def __init__(self, strengths: Strengths, outputs: list[CentroidBound | AverageBound], effort: Effort) -> None:
         self.strengths = strengths
         self.outputs = outputs
         self.effort = effort
         self.failure = ""
 
-    def run(self) -> _Found:
+    def run(self) -> Found:
         """The certified bound of each output, relative to its range."""
         boxes = self._first()
         if boxes is None:
-            return _Found([math.inf] * len(self.outputs), [(0.0, 0.0, 0.0)] * len(self.outputs), None)
-        total, parts = self._evaluate(boxes)
+            return Found([math.inf] * len(self.outputs), [(0.0, 0.0, 0.0)] * len(self.outputs), None)
+        total, parts = self.evaluate(boxes)
         looked = len(boxes)
         floor, at = self._points(boxes, total)
         while looked < self.effort.boxes:
@@ -193,7 +193,7 @@ class _Search:
             room = max(1, min(len(open_), (self.effort.boxes - looked) // 2, CHUNK))
             chosen = open_[np.argsort(-score[open_], kind="stable")[:room]]
             children = self._split(boxes, chosen)
-            more, more_parts = self._evaluate(children)
+            more, more_parts = self.evaluate(children)
             higher, where = self._points(children, more)
             at = np.where((higher > floor)[:, None], where, at)
             floor = np.maximum(floor, higher)
@@ -209,15 +209,15 @@ class _Search:
             looked += len(children)
         bounds = np.maximum(total.max(axis=0, initial=0.0), floor * CLOSE_ENOUGH)
         if not len(total):
-            return _Found([float(b) for b in bounds], [(0.0, 0.0, 0.0)] * len(bounds), Boxes(at, at))
+            return Found([float(b) for b in bounds], [(0.0, 0.0, 0.0)] * len(bounds), Boxes(at, at))
         worst = total.argmax(axis=0)
         shares = [tuple(float(p) for p in parts[w, o]) for o, w in enumerate(worst)]
-        return _Found([float(b) for b in bounds], [(a, b, c) for a, b, c in shares], boxes.some(worst))
+        return Found([float(b) for b in bounds], [(a, b, c) for a, b, c in shares], boxes.some(worst))
 
     def _first(self) -> Boxes | None:
         cuts: list[Floats] = []
         for i, terms in enumerate(self.strengths.terms):
-            low, high = self.strengths.legal(i)
+            low, high = self.ends(i)
             inner = {float(x) for m in terms for x in m.x if low < x < high}
             cuts.append(np.array([low, *sorted(inner), high]))
         while math.prod(len(c) - 1 for c in cuts) > self.effort.first:
@@ -236,6 +236,10 @@ class _Search:
                 return None
         return boxes
 
+    def ends(self, i: int) -> tuple[float, float]:
+        """What an input is looked at over, relative to its range."""
+        return self.strengths.legal(i)
+
     def _points(self, boxes: Boxes, total: Floats) -> tuple[Floats, Floats]:
         """The lemma's value at the middle of the worst boxes, what no splitting gets below; and the inputs there."""
         count = min(len(boxes), 64)
@@ -243,7 +247,7 @@ class _Search:
             np.concatenate([np.argsort(-total[:, o], kind="stable")[:count] for o in range(total.shape[1])])
         )
         middle = (boxes.lo[chosen] + boxes.hi[chosen]) / 2
-        found, _ = self._evaluate(Boxes(middle, middle))
+        found, _ = self.evaluate(Boxes(middle, middle))
         return found.max(axis=0), middle[found.argmax(axis=0)]
 
     def _split(self, boxes: Boxes, chosen: np.typing.NDArray[np.int64]) -> Boxes:
@@ -256,7 +260,7 @@ class _Search:
         right_lo[row, side] = middle
         return Boxes(np.concatenate([lo, right_lo]), np.concatenate([left_hi, hi]))
 
-    def _evaluate(self, boxes: Boxes) -> tuple[Floats, Floats]:
+    def evaluate(self, boxes: Boxes) -> tuple[Floats, Floats]:
         """Bounds (B, outputs) and their parts (B, outputs, 3)."""
         totals: list[Floats] = []
         pieces: list[Floats] = []
