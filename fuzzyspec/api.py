@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from fuzzyspec.estimate.budgets import Forecast
     from fuzzyspec.exact import Exact
     from fuzzyspec.fixed.certificate import Certificate
+    from fuzzyspec.fixed.program import Program
     from fuzzyspec.fixed.run import Run
     from fuzzyspec.lower import Lowered
     from fuzzyspec.lower import Options as LowerOptions
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from fuzzyspec.model.system import Module, System
     from fuzzyspec.model.variable import Variable
     from fuzzyspec.native import NativeModule, Result
-    from fuzzyspec.verify import Report, Subject
+    from fuzzyspec.verify import Machines, Report, Subject
 
 __all__ = ["Diagnostic", "Evaluation", "Source", "Spec", "SpecError", "diagnose", "load", "read"]
 
@@ -224,6 +225,8 @@ class Spec:
         raw: bool = False,
         sanitize: bool = True,
         worst: bool = False,
+        options: LowerOptions | None = None,
+        machines: Machines | None = None,
         progress: Callable[[int, int, str], None] | None = None,
     ) -> Report:
         """Show that the C does what the spec says, or that it does not.
@@ -231,25 +234,27 @@ class Spec:
         ``cases``: random cases a function, besides the aimed ones. ``only``: the functions to look at. ``c``: a C file
         to verify instead of the generated one (its header is taken from beside it, else the generated one).
         ``scenario``: a CSV of recorded inputs to replay instead of generated cases, in declared units or, with
-        ``raw``, raws. ``worst``: also search for each output's largest error, uphill from the worst of the other cases.
-        ``progress`` is called with cases done, cases planned and the function's name. Raises MissingTool where there is
-        no C compiler, ScenarioError for a bad recording, OSError for a file that cannot be read.
+        ``raw``, raws. ``options``: what the C was compiled with. ``machines``: where else the same C is to run
+        (``verify.find_machines``). ``worst``: also search for each output's largest error, uphill from the worst of the
+        other cases. ``progress`` is called with cases done, cases planned and the name of the function, or the machine.
+        Raises MissingTool where there is no C compiler, ScenarioError for a bad recording, OSError for a file that
+        cannot be read.
         """
         from fuzzyspec.verify import Options, TheirC, read_scenario, verify
 
         for name in only:
             self._subject(name)
-        options = Options(only=only, sanitize=sanitize, directed=worst)
-        options = options if seed is None else replace(options, seed=seed)
-        options = options if cases is None else replace(options, cases=cases)
+        asked = Options(only=only, sanitize=sanitize, directed=worst, machines=machines)
+        asked = asked if seed is None else replace(asked, seed=seed)
+        asked = asked if cases is None else replace(asked, cases=cases)
         if scenario is not None:
             subject = self._subject(only[0] if only else self.default_function)
             text = _decoded(Path(scenario))
             rows = read_scenario(subject, text, os.fspath(scenario), raw=raw)
-            options = replace(options, only=(subject.name,), replayed={subject.name: rows})
-        files = self.compile().files
+            asked = replace(asked, only=(subject.name,), replayed={subject.name: rows})
+        program, subjects, files = self._compiled(options)
         theirs = None if c is None else TheirC(_beside(Path(c), tuple(files), self.name))
-        return verify(self.lowered.program, self._subjects, files, options, theirs, progress)
+        return verify(program, subjects, files, asked, theirs, progress)
 
     @property
     def default_function(self) -> str:
@@ -266,6 +271,19 @@ class Spec:
 
     def _tolerant(self, options: LowerOptions) -> LowerOptions:
         return options if options.tolerance is not None else replace(options, tolerance=self.tolerance)
+
+    def _compiled(self, options: LowerOptions | None) -> tuple[Program, tuple[Subject, ...], Mapping[str, bytes]]:
+        """What these options make of the spec: the program, its functions, the C."""
+        from fuzzyspec.emit import emit
+        from fuzzyspec.lower import Options
+        from fuzzyspec.verify import subjects
+
+        if options is None or options == Options():
+            return self.lowered.program, self._subjects, self.compile().files
+        chosen = self._tolerant(options)
+        lowered = self.lower(chosen)
+        plan = emit(self.module, lowered, self.source, chosen)
+        return lowered.program, subjects(self.module, lowered.program, lowered.certificates), plan.files
 
     @cached_property
     def _subjects(self) -> tuple[Subject, ...]:

@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fuzzyspec.cli.spec import percent, spec_path
+from fuzzyspec.cli.lowering import add_lowering, lowering
+from fuzzyspec.cli.spec import spec_path
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -33,36 +34,12 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("file", metavar="FILE.fz", type=spec_path, help="the spec")
     parser.add_argument("-o", dest="directory", metavar="DIR", default=".", help="where to write (default: here)")
     parser.add_argument("--check", action="store_true", help="write nothing; exit status 1 where a file is stale")
-    parser.add_argument(
-        "--bounds",
-        choices=("quick", "thorough"),
-        default="quick",
-        help="how hard to work for the certified errors (default: quick)",
-    )
-    parser.add_argument(
-        "--optimize",
-        choices=("speed", "balanced", "size"),
-        default="balanced",
-        help="what to choose the strategies for (default: balanced)",
-    )
-    parser.add_argument(
-        "--target",
-        choices=("generic", "cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr"),
-        default="generic",
-        help="the machine to choose the strategies for; the C runs on all of them (default: generic)",
-    )
+    add_lowering(parser, "--target")
     parser.add_argument(
         "--over-budget",
         choices=("stop", "warn"),
         default="stop",
         help="where the cost model finds a budget of the spec broken: write nothing, or warn and write (default: stop)",
-    )
-    parser.add_argument(
-        "--tolerance",
-        metavar="PERCENT",
-        type=percent,
-        help="an error of every output that you can live with, in percent of its range: where it can be certified, "
-        "fewer bits are computed",
     )
     parser.add_argument("--format", choices=("text", "json"), default="text")
     parser.set_defaults(run=run)
@@ -74,10 +51,9 @@ def run(arguments: argparse.Namespace) -> int:
     from fuzzyspec.cli import terminal
     from fuzzyspec.diagnostics.diagnostic import SpecError
     from fuzzyspec.emit import emit, stale, write
-    from fuzzyspec.lower import Options
 
     as_json = arguments.format == "json"
-    options = Options(arguments.bounds, arguments.optimize, arguments.target, tolerance=arguments.tolerance)
+    options = lowering(arguments)
     spec = load(arguments.file)
     lowered = spec.lower(options)
     forecasts = spec.forecasts(options, lowered)

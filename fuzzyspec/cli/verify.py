@@ -5,9 +5,16 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fuzzyspec.cli.spec import percent, spec_path
+from fuzzyspec.cli.lowering import add_lowering, lowering
+from fuzzyspec.cli.spec import spec_path
+
+if TYPE_CHECKING:
+    from fuzzyspec.verify import Machines
+
+MACHINES = ("host", "cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr", "mips-be", "wasm32")
+LEVELS = ("O0", "O2", "Os", "O3")
 
 
 def register(subparsers: Any) -> None:
@@ -32,12 +39,26 @@ def register(subparsers: Any) -> None:
     )
     parser.add_argument("--no-sanitize", action="store_true", help="leave out the build under sanitizers")
     parser.add_argument(
-        "--tolerance",
-        metavar="PERCENT",
-        type=percent,
-        help="an error of every output that you can live with, in percent of its range: where it can be certified, "
-        "fewer bits are computed",
+        "--target",
+        metavar="NAME[,NAME]",
+        type=_machines,
+        action="extend",
+        help=f"also run the C on these machines: {', '.join(MACHINES)}; `all` are those whose tools are here",
     )
+    parser.add_argument(
+        "--levels",
+        metavar="LEVEL[,LEVEL]",
+        type=_levels,
+        help=f"optimisation levels of the builds for --target (default: {','.join(LEVELS)})",
+    )
+    parser.add_argument("--compiler", choices=("gcc", "zig"), help="build for --target with these only (default: all)")
+    parser.add_argument(
+        "--target-cases",
+        metavar="N",
+        type=_natural,
+        help="cases of a function that each build for --target runs (default: 100000; 20000 in simavr)",
+    )
+    add_lowering(parser)
     parser.add_argument("--format", choices=("text", "json"), default="text", help="what is printed")
     parser.set_defaults(run=run)
 
@@ -50,7 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.raw and arguments.scenario is None:
         raise Refusal("--raw says how to read a scenario", "give --scenario too")
-    spec = api.load(arguments.file).within(arguments.tolerance)
+    machines = _found(arguments)
+    spec = api.load(arguments.file)
     known = list(spec.functions)
     for name in arguments.only:
         if name not in known:
@@ -65,6 +87,8 @@ def run(arguments: argparse.Namespace) -> int:
             raw=arguments.raw,
             sanitize=not arguments.no_sanitize,
             worst=arguments.worst,
+            options=lowering(arguments),
+            machines=machines,
             progress=bar.show if sys.stderr.isatty() else None,
         )
     from fuzzyspec.verify import as_json, as_text
@@ -76,6 +100,37 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print(as_text(report, worst=arguments.worst))
     return 0 if report.ok else 1
+
+
+def _found(arguments: argparse.Namespace) -> Machines | None:
+    """The builds for other machines; Refusal where there is none to which an option applies."""
+    from fuzzyspec.diagnostics.refusal import Refusal
+    from fuzzyspec.verify import find_machines
+
+    if arguments.target:
+        levels = arguments.levels or LEVELS
+        return find_machines(arguments.target, levels, arguments.compiler, arguments.target_cases)
+    for option in ("levels", "compiler", "target_cases"):
+        if getattr(arguments, option) is not None:
+            raise Refusal(f"--{option.replace('_', '-')} is about the builds for --target", "give --target too")
+    return None
+
+
+def _machines(text: str) -> list[str]:
+    return _listed(text, (*MACHINES, "all"))
+
+
+def _levels(text: str) -> list[str]:
+    return _listed(text.replace("-O", "O"), ("O0", "O1", "O2", "O3", "Os"))
+
+
+def _listed(text: str, known: tuple[str, ...]) -> list[str]:
+    """Words with commas between them, each once."""
+    words = list(dict.fromkeys(text.split(",")))
+    for word in words:
+        if word not in known:
+            raise argparse.ArgumentTypeError(f"`{word}` is none of {', '.join(known)}")
+    return words
 
 
 def _natural(text: str) -> int:

@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Mapping
 from types import TracebackType
 from typing import Protocol, assert_never
 
 import numpy.typing as npt
 
+from fuzzyspec.diagnostics.refusal import MissingTool
 from fuzzyspec.fixed.program import Program
+from fuzzyspec.machines.elf import WAY_OUT
 from fuzzyspec.machines.emulate import Emulation
 from fuzzyspec.machines.image import EmulationError, Image
-from fuzzyspec.machines.simavr import AvrEmulation
+from fuzzyspec.machines.simavr import SIMAVR, AvrEmulation, simavr_is_here
 from fuzzyspec.machines.toolchains import CrossCompiler
 from fuzzyspec.machines.wasm import WasmEmulation
 from fuzzyspec.native import Death, Result
 from fuzzyspec.native.module import broadcast_initial
 
 Signals = Mapping[str, npt.ArrayLike]
+
+_ELF = ("pyelftools", "elftools")
+PACKAGES: Mapping[str, tuple[tuple[str, str], ...]] = {
+    "unicorn": (("unicorn", "unicorn"), _ELF),
+    "simavr": (_ELF,),
+    "wasmtime": (("wasmtime", "wasmtime"),),
+}
+"""By emulator the packages that it takes, with the modules by which they are found."""
 
 
 class Emulator(Protocol):
@@ -86,6 +97,17 @@ def emulator_of(compiler: CrossCompiler) -> str:
             return "wasmtime"
         case _:
             assert_never(compiler.target.machine)
+
+
+def find_emulator(compiler: CrossCompiler) -> str:
+    """The name of what runs a target's images. MissingTool where it is not installed."""
+    name, what = emulator_of(compiler), f"is needed to run what is built for {compiler.target.name}"
+    if name == "simavr" and not simavr_is_here():
+        raise MissingTool(f"simavr {what}", f"get it: {SIMAVR}")
+    for package, module in PACKAGES[name]:
+        if importlib.util.find_spec(module) is None:
+            raise MissingTool(f"the package {package} {what}", WAY_OUT)
+    return name
 
 
 def _emulator(image: Image, seconds: float) -> Emulator:

@@ -45,6 +45,10 @@ class Target:
     package: str | None
 
 
+_BARE_MIPS = ("-EB", "-march=mips32r2", "-msoft-float", "-mno-abicalls", "-fno-pic", "-no-pie", "-static", "-G0")
+"""For a compiler that would else build for GNU/Linux."""
+
+
 def _cortex(name: str, cpu: str) -> Target:
     return Target(
         name,
@@ -70,15 +74,12 @@ _ALL = (
     ),
     # zig has no <avr/pgmspace.h>, without which the tables would go to RAM.
     Target("avr", "avr", "ATmega328P", ("avr-gcc", "-mmcu=atmega328p"), None, "apt install gcc-avr avr-libc"),
-    # Big-endian. The GNU/Linux compiler is told to leave out what a bare machine does not have.
+    # Big-endian.
     Target(
         "mips-be",
         "mips",
         "MIPS32R2",
-        (
-            "mips-linux-gnu-gcc",
-            *["-EB", "-march=mips32r2", "-mno-abicalls", "-fno-pic", "-no-pie", "-static", "-G0", "-msoft-float"],
-        ),
+        ("mips-linux-gnu-gcc", *_BARE_MIPS),
         ("-target", "mips-freestanding-eabi", "-mcpu=mips32r2+soft_float", "-fno-pic", "-mno-abicalls"),
         "apt install gcc-mips-linux-gnu",
     ),
@@ -98,7 +99,7 @@ class CrossCompiler:
     @property
     def description(self) -> str:
         """Name and version, without a folder."""
-        return _description(self.kind, self.toolchain.command)
+        return description_of(self.kind, self.toolchain.command)
 
     def compile(self, source: Path, made: Path, option: str, flags: Sequence[str] = OWN) -> None:
         """One object file. Raises BuildError."""
@@ -137,7 +138,8 @@ def find_compiler(target: Target, kind: Kind | None = None) -> CrossCompiler:
 
 
 @cache
-def _description(kind: Kind, command: tuple[str, ...]) -> str:
+def description_of(kind: Kind, command: tuple[str, ...]) -> str:
+    """Name and version of a compiler, without a folder."""
     if kind == "zig":
         from importlib.metadata import version
 

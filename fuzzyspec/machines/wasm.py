@@ -90,6 +90,7 @@ class WasmEmulation:
         try:
             return function(store, *arguments)
         except (wasmtime.Trap, wasmtime.WasmtimeError) as error:
-            raise EmulationError(str(error).strip().splitlines()[-1].strip()) from error
+            said = str(error).strip().splitlines()[-1].strip()
+            raise EmulationError(f"no end after {self._seconds:g} s" if "interrupt" in said else said) from error
         finally:
             late.cancel()

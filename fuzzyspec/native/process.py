@@ -55,6 +55,7 @@ class NativeProcess:
         *,
         sanitize: bool = False,
         warnings_are_errors: bool = True,
+        level: str = "O2",
         seconds: float = 20.0,
     ) -> None:
         """Build. Raises MissingTool where there is no compiler, BuildError where it rejects the C.
@@ -67,7 +68,7 @@ class NativeProcess:
         self._workspace = Workspace(program, files)
         self.sanitizers: tuple[str, ...] = ()
         self.said = ""
-        flags = optimised(errors=warnings_are_errors)
+        flags = optimised(errors=warnings_are_errors, level=level)
         try:
             if sanitize:
                 self._program = self._sanitized(flags)

@@ -92,9 +92,15 @@ def find_toolchain(environ: Mapping[str, str] = os.environ) -> Toolchain:
     )
 
 
-def optimised(*, errors: bool) -> tuple[str, ...]:
+def host_toolchains() -> tuple[Toolchain, ...]:
+    """What ``find_toolchain`` finds, and gcc and clang where they are here besides. MissingTool if there is none."""
+    found = [find_toolchain(), *(Toolchain((name,)) for name in ("gcc", "clang") if shutil.which(name) is not None)]
+    return tuple(dict.fromkeys(found))
+
+
+def optimised(*, errors: bool, level: str = "O2") -> tuple[str, ...]:
     """Flags of the ordinary build; ``errors`` turns warnings into errors, as for the compiler's own output."""
-    return ("-std=c99", "-O2", *STRICT, *(("-Werror",) if errors else ()))
+    return ("-std=c99", f"-{level}", *STRICT, *(("-Werror",) if errors else ()))
 
 
 def shared() -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from fuzzyspec.verify.directed import Effort, largest_errors
 from fuzzyspec.verify.equivalence import DEFAULT_SEED, Options, TheirC, verify
+from fuzzyspec.verify.machines import LEVELS, NAMES, Machines, find_machines
 from fuzzyspec.verify.render import as_json, as_text
 from fuzzyspec.verify.report import Example, Failure, FunctionFound, OutputFound, Report
 from fuzzyspec.verify.scenario import ScenarioError, read_scenario
@@ -14,10 +15,13 @@ from fuzzyspec.verify.subject import Subject, subjects
 
 __all__ = [
     "DEFAULT_SEED",
+    "LEVELS",
+    "NAMES",
     "Effort",
     "Example",
     "Failure",
     "FunctionFound",
+    "Machines",
     "Options",
     "OutputFound",
     "Report",
@@ -26,6 +30,7 @@ __all__ = [
     "TheirC",
     "as_json",
     "as_text",
+    "find_machines",
     "largest_errors",
     "read_scenario",
     "subjects",

@@ -8,16 +8,17 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzzyspec.fixed.run import Run
-from fuzzyspec.model.variable import Variable
-from fuzzyspec.native import Death, NativeModule, NativeProcess, Result
+from fuzzyspec.native import Death, NativeModule, NativeProcess
 from fuzzyspec.verify.cases import Batch
 from fuzzyspec.verify.confirm import beyond_band, beyond_bound
-from fuzzyspec.verify.example import example_at, single, spoken
+from fuzzyspec.verify.example import example_at, single
 from fuzzyspec.verify.report import Difference, Failure, FailureKind
 from fuzzyspec.verify.runner import Runner, any_of, differing
+from fuzzyspec.verify.sample import Sample
 from fuzzyspec.verify.shrink import shrink
 from fuzzyspec.verify.subject import Subject
 from fuzzyspec.verify.tally import Tally, signed_errors
+from fuzzyspec.verify.witness import death, difference
 
 BLOCK = 1 << 14
 """Cases that are hashed together."""
@@ -27,11 +28,15 @@ SANITIZED = 1 << 10
 
 @dataclass
 class Bench:
-    """Mutable while a verification runs. Of each kind of failure the first is kept, made small."""
+    """Mutable while a verification runs. Of each kind of failure the first is kept, made small.
+
+    ``sample`` keeps the cases that other machines are to run.
+    """
 
     subject: Subject
     c: Runner | None
     sanitized: Runner | None
+    sample: Sample | None = None
     tally: Tally = field(init=False)
     failures: list[Failure] = field(default_factory=list)
     _state: dict[str, npt.NDArray[np.int64]] = field(default_factory=dict)
@@ -45,6 +50,8 @@ class Bench:
             batch = Batch(batch.kind, batch.inputs, dict(self._state))
         run = self.subject.fixed(batch.inputs, batch.state, record=True)
         self._state = run.state
+        if self.sample is not None:
+            self.sample.add(batch, run)
         self._through_c(batch, run)
         self._through_sanitizers(batch)
         return self._through_exact(batch, run)
@@ -56,14 +63,14 @@ class Bench:
             return
         got = self.c.run(self.subject.name, batch.inputs, batch.state)
         if isinstance(got, Death):
-            self._died(batch, got, self.c, "")
+            self.failures.append(death(self.subject, batch, got, self.c))
             self.c = None
             return
         masks = differing(got, run)
         differs = any_of(masks, batch.n)
         self.tally.add_c(batch, masks, differs)
         if differs.any() and not self._has("c"):
-            self._differs(batch, int(differs.argmax()), self.c, "")
+            self.failures.append(difference(self.subject, single(batch, int(differs.argmax())), self.c))
 
     def in_bulk(self, theirs: NativeProcess, reference: NativeModule, seed: int, blocks: range) -> None:
         """Hold a C to the generated one by the hashes of many cases: the model would take too long for them."""
@@ -75,7 +82,7 @@ class Bench:
         if isinstance(got, Death):
             block, case = divmod(got.case, BLOCK)
             batch = Batch("bulk", *reference.block(name, seed, blocks[block], BLOCK))
-            self._died(batch, Death(case, got.what, got.output), theirs, "")
+            self.failures.append(death(self.subject, batch, Death(case, got.what, got.output), theirs))
             self.c = None
             return
         self.tally.add_bulk(len(blocks) * BLOCK)
@@ -96,42 +103,14 @@ class Bench:
         )
         got = self.sanitized.run(self.subject.name, part.inputs, part.state)
         if isinstance(got, Death):
-            self._died(part, got, self.sanitized, " under the sanitizers")
+            self.failures.append(death(self.subject, part, got, self.sanitized, " under the sanitizers"))
             self.sanitized = None
             return
         self.tally.sanitized += part.n
         differs = any_of(differing(got, self.subject.fixed(part.inputs, part.state)), part.n)
         if differs.any() and not self._has("c"):
-            self._differs(part, int(differs.argmax()), self.sanitized, " under the sanitizers")
-
-    def _differs(self, batch: Batch, at: int, runner: Runner, where: str) -> None:
-        """Shrink a case at which C and model differ, and keep the failure."""
-
-        def fails(candidates: Batch) -> int | None:
-            got = runner.run(self.subject.name, candidates.inputs, candidates.state)
-            if isinstance(got, Death):
-                return None
-            run = self.subject.fixed(candidates.inputs, candidates.state)
-            differs = any_of(differing(got, run), candidates.n)
-            return int(differs.argmax()) if differs.any() else None
-
-        small = shrink(self.subject, single(batch, at), fails)
-        got = runner.run(self.subject.name, small.inputs, small.state)
-        assert isinstance(got, Result)
-        run = self.subject.fixed(small.inputs, small.state)
-        differences = _differences(self.subject, got, run)
-        self._keep("c", f"the C differs from the integer program{where}", small, differences)
-
-    def _died(self, batch: Batch, death: Death, runner: Runner, where: str) -> None:
-        """Shrink a case at which C dies. A hang is shown as found: each try would cost its time limit."""
-        case = single(batch, death.case)
-
-        def fails(candidates: Batch) -> int | None:
-            got = runner.run(self.subject.name, candidates.inputs, candidates.state)
-            return got.case if isinstance(got, Death) else None
-
-        small = case if death.what.startswith("no end") or fails(case) is None else shrink(self.subject, case, fails)
-        self._keep("death", f"the C did not return{where}: {death.what}", small, (), death.output)
+            case = single(part, int(differs.argmax()))
+            self.failures.append(difference(self.subject, case, self.sanitized, " under the sanitizers"))
 
     # --- the exact meaning ----------------------------------------------------------------------
 
@@ -165,44 +144,10 @@ class Bench:
             return found[0]
 
         small = shrink(self.subject, case, fails)
-        self._keep(kind, message, small, (seen[-1],))
+        example = example_at(self.subject, small, 0)
+        self.failures.append(Failure(kind, self.subject.name, message, example, (seen[-1],)))
 
     # --- failures -------------------------------------------------------------------------------
 
     def _has(self, kind: FailureKind) -> bool:
         return any(f.kind == kind for f in self.failures)
-
-    def _keep(
-        self, kind: FailureKind, message: str, case: Batch, differences: tuple[Difference, ...], output: str = ""
-    ) -> None:
-        example = example_at(self.subject, case, 0)
-        self.failures.append(Failure(kind, self.subject.name, message, example, differences, output))
-
-
-def _differences(subject: Subject, got: Result, run: Run) -> tuple[Difference, ...]:
-    """What differs at the first case, with values where there are some."""
-    found: list[Difference] = []
-    variables = {p.name: p.variable for p in subject.function.outputs}
-    for name, wanted in run.outputs.items():
-        if got.outputs[name][0] != wanted[0]:
-            variable = variables[name]
-            found.append(Difference(name, *(_told(variable, int(r)) for r in (wanted[0], got.outputs[name][0]))))
-    if got.status[0] != run.status[0]:
-        bits = [b.name for b in subject.function.status]
-        found.append(Difference("status", *(_bits(bits, int(s)) for s in (run.status[0], got.status[0]))))
-    for key in got.state:
-        if got.state[key][0] != run.state[key][0]:
-            variable = subject.state[key].variable
-            both = (run.state[key][0], got.state[key][0])
-            found.append(Difference(f"state {key}", *(_told(variable, int(r)) for r in both)))
-    return tuple(found)
-
-
-def _told(variable: Variable | None, raw: int) -> str:
-    return f"{raw}" if variable is None else f"{raw} ({spoken(variable, raw)})"
-
-
-def _bits(names: list[str], status: int) -> str:
-    """A status word by the names of its bits."""
-    known = [name for i, name in enumerate(names) if status >> i & 1]
-    return " | ".join(known or ["OK"]) if status >> len(names) == 0 else f"{status:#x}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fuzzyspec.emit.names import name_module
@@ -12,8 +12,11 @@ from fuzzyspec.native import BuildError, Death, NativeModule, NativeProcess, Too
 from fuzzyspec.verify.bench import BLOCK, Bench
 from fuzzyspec.verify.cases import DEFAULT_CASES, Batch, batches, bulk, planned
 from fuzzyspec.verify.directed import Directed, Effort, search
-from fuzzyspec.verify.report import Failure, Report
+from fuzzyspec.verify.machines import Machines, on_machines
+from fuzzyspec.verify.report import Failure, MachineFound, Report
 from fuzzyspec.verify.runner import Runner
+from fuzzyspec.verify.sample import Sample
+from fuzzyspec.verify.steps import Progress, Steps
 from fuzzyspec.verify.subject import Subject
 
 DEFAULT_SEED = 20_240_229
@@ -21,15 +24,13 @@ DEFAULT_SEED = 20_240_229
 CHUNK = 64
 """Blocks that are hashed in one go: the time limit is for that many."""
 
-Progress = Callable[[int, int, str], None]
-"""Cases done, cases planned, the function's name."""
-
 
 @dataclass(frozen=True, slots=True)
 class Options:
     """``only``: functions to verify (all if empty). ``replayed``: batches to run instead of the generated ones.
 
     ``directed``: whether to search for each output's largest error, from the worst of the other cases.
+    ``machines``: where else a sample of the cases is to run.
     """
 
     seed: int = DEFAULT_SEED
@@ -39,6 +40,7 @@ class Options:
     seconds: float = 20.0
     replayed: Mapping[str, Sequence[Batch]] | None = None
     directed: bool = False
+    machines: Machines | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,34 +83,51 @@ def verify(
         sanitized, notes = _sanitizers(program, tested, toolchain, options, strict=theirs is None)
         if sanitized is not None:
             stack.enter_context(sanitized)
-        benches = [Bench(subject, runner, sanitized) for subject in chosen]
+        benches = [Bench(subject, runner, sanitized, _sample(subject, options)) for subject in chosen]
         total = sum(_planned(s, options, theirs_in_bulk is not None) for s in chosen)
-
-        def advance(done: int, name: str) -> None:
-            if progress is not None:
-                progress(done, total, name)
-
-        done = 0
+        steps = Steps(total + _elsewhere(benches, options), progress)
         for bench in benches:
             for batch in _cases(bench, options):
-                done += batch.n
-                advance(done, bench.subject.name)
+                steps.add(batch.n, bench.subject.name)
             if theirs_in_bulk is not None:
                 most = bulk(bench.subject, options.cases) // BLOCK
                 for start in range(0, most, CHUNK):
                     blocks = range(start, min(start + CHUNK, most))
                     bench.in_bulk(theirs_in_bulk, generated, options.seed, blocks)
-                    done += len(blocks) * BLOCK
-                    advance(done, bench.subject.name)
+                    steps.add(len(blocks) * BLOCK, bench.subject.name)
+    machines: tuple[MachineFound, ...] = ()
+    elsewhere: tuple[Failure, ...] = ()
+    if options.machines is not None:
+        samples = [b.sample for b in benches if b.sample is not None]
+        machines, elsewhere = on_machines(program, tested, samples, options.machines, steps, strict=theirs is None)
     failures = _selftest_failures(selftest, name_module(program).selftest)
     return replace(
         report,
         sanitizers=sanitized.sanitizers if sanitized is not None else (),
         selftest=selftest if isinstance(selftest, int) else None,
         functions=tuple(b.tally.found() for b in benches),
-        failures=(*failures, *(f for b in benches for f in b.failures)),
-        notes=notes,
+        failures=(*failures, *(f for b in benches for f in b.failures), *elsewhere),
+        notes=(*notes, *(f"not run on {name}: {why}" for name, why in _missing(options).items())),
+        machines=machines,
     )
+
+
+def _sample(subject: Subject, options: Options) -> Sample | None:
+    """What keeps the cases for other machines, where there are any."""
+    if options.machines is None:
+        return None
+    return Sample(subject, options.seed, _planned(subject, options, with_bulk=False), options.machines.most)
+
+
+def _missing(options: Options) -> Mapping[str, str]:
+    return {} if options.machines is None else options.machines.missing
+
+
+def _elsewhere(benches: Sequence[Bench], options: Options) -> int:
+    """How many calls the other machines will make, about."""
+    if options.machines is None:
+        return 0
+    return len(options.machines.ways) * sum(min(s.total, s.most) for b in benches if (s := b.sample) is not None)
 
 
 def _cases(bench: Bench, options: Options) -> Iterator[Batch]:

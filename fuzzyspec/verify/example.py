@@ -55,7 +55,7 @@ def decimal(value: Fraction) -> str:
 
 
 def joined(batches: list[Batch]) -> Batch:
-    """Batches of one case each, as one; lists are padded with zeros to the widest."""
+    """Batches of one function as one; lists are padded with zeros to the widest."""
 
     def stack(arrays: list[Raws]) -> Raws:
         if arrays[0].ndim == 1:

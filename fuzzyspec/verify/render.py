@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from fuzzyspec.verify.report import Example, Failure, FunctionFound, OutputFound, Report
+from fuzzyspec.verify.report import Build, Example, Failure, FunctionFound, MachineFound, OutputFound, Report
 
 
 def as_text(report: Report, *, worst: bool = False) -> str:
@@ -30,6 +30,9 @@ def _lines(report: Report, worst: bool) -> Iterator[str]:
                 yield f"  largest error of {output.output} at"
                 yield from (f"    {line}" for line in example_lines(output.worst))
             yield from (f"    {line}" for line in _tightness(output))
+    if report.machines:
+        yield ""
+        yield from _machines(report.machines)
     for note in report.notes:
         yield ""
         yield f"note: {note}"
@@ -38,7 +41,10 @@ def _lines(report: Report, worst: bool) -> Iterator[str]:
         yield from _failure(failure)
     yield ""
     if report.ok:
-        yield f"{report.module}: verified, {report.cases:,} cases, 0 mismatches"
+        targets = len({m.build.target for m in report.machines})
+        machines = "1 machine" if targets == 1 else f"{targets} machines"
+        more = f"; {sum(m.cases for m in report.machines):,} more on {machines}" if report.machines else ""
+        yield f"{report.module}: verified, {report.cases:,} cases, 0 mismatches{more}"
     else:
         many = "1 failure" if len(report.failures) == 1 else f"{len(report.failures)} failures"
         yield f"{report.module}: NOT verified, {many}"
@@ -81,6 +87,28 @@ def _function(found: FunctionFound) -> Iterator[str]:
             apart = f"{d.largest_margin:.3g}" if d.disagreed else ""
             rows.append((d.key, f"{d.taken:,}", f"{d.disagreed:,}", apart, band))
         yield from _table(rows, "<>>>>")
+
+
+def _machines(found: Sequence[MachineFound]) -> Iterator[str]:
+    """A line for the levels of a compiler that came out alike."""
+    rows: list[tuple[str, ...]] = [("machine", "compiler", "level", "run by", "cases", "mismatches", "self-test")]
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for m in found:
+        emulator = m.emulator or "itself"
+        selftest = {None: "not run", 0: "passed"}.get(m.selftest, "differs")
+        key = (m.build.target, m.build.compiler, emulator, f"{m.cases:,}", f"{m.mismatches:,}", selftest)
+        alike.setdefault(key, []).append(f"-{m.build.level}")
+    rows += [(target, compiler, " ".join(levels), *rest) for (target, compiler, *rest), levels in alike.items()]
+    yield "the same C on machines (cases a level, over all functions)"
+    yield from _table(rows, "<<<<>><")
+    reasons = {f"{m.build.target} -{m.build.level}: {m.left_out}": None for m in found if m.left_out}
+    reasons |= {
+        f"{m.build.target} -{m.build.level}: {f.function} was not run: {f.left_out}": None
+        for m in found
+        for f in m.functions
+        if f.left_out
+    }
+    yield from (f"  {reason}" for reason in reasons)
 
 
 def _table(rows: Sequence[tuple[str, ...]], align: str) -> Iterator[str]:
@@ -133,6 +161,7 @@ def as_json(report: Report) -> dict[str, Any]:
         "sanitizers": list(report.sanitizers),
         "selftest": report.selftest,
         "functions": [_function_json(f) for f in report.functions],
+        "machines": [_machine_json(m) for m in report.machines],
         "failures": [_failure_json(f) for f in report.failures],
         "notes": list(report.notes),
     }
@@ -182,11 +211,31 @@ def _function_json(found: FunctionFound) -> dict[str, Any]:
     }
 
 
+def _machine_json(found: MachineFound) -> dict[str, Any]:
+    return {
+        **_build_json(found.build),
+        "emulator": found.emulator or None,
+        "cases": found.cases,
+        "mismatches": found.mismatches,
+        "selftest": found.selftest,
+        "left_out": found.left_out or None,
+        "functions": [
+            {"function": f.function, "cases": f.cases, "mismatches": f.mismatches, "left_out": f.left_out or None}
+            for f in found.functions
+        ],
+    }
+
+
+def _build_json(build: Build) -> dict[str, Any]:
+    return {"target": build.target, "compiler": build.compiler, "level": build.level}
+
+
 def _failure_json(failure: Failure) -> dict[str, Any]:
     return {
         "kind": failure.kind,
         "function": failure.function,
         "message": failure.message,
+        "on": None if failure.on is None else _build_json(failure.on),
         "example": _example_json(failure.example),
         "differences": [{"what": d.what, "expected": d.expected, "got": d.got} for d in failure.differences],
         "output": failure.output,

@@ -31,8 +31,23 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
+class Build:
+    """How the C was built, and for which machine."""
+
+    target: str
+    compiler: str
+    level: str
+
+    def __str__(self) -> str:
+        return f"{self.target}, {self.compiler} -{self.level}"
+
+
+@dataclass(frozen=True, slots=True)
 class Failure:
-    """Why a verification failed. ``example`` is a smallest input that shows it, where an input is to blame."""
+    """Why a verification failed. ``example`` is a smallest input that shows it, where an input is to blame.
+
+    ``on``: the build that was run; None for the ordinary one on this machine.
+    """
 
     kind: FailureKind
     function: str | None
@@ -41,6 +56,7 @@ class Failure:
     differences: tuple[Difference, ...] = ()
     output: str = ""
     """What the compiler or a sanitizer printed."""
+    on: Build | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +117,40 @@ class FunctionFound:
 
 
 @dataclass(frozen=True, slots=True)
+class OnMachine:
+    """One function on one machine. ``left_out`` says why it was not run, where it was not."""
+
+    function: str
+    cases: int
+    mismatches: int
+    left_out: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class MachineFound:
+    """One build on its machine. ``emulator``: what ran it, empty where this machine did.
+
+    ``selftest``: what it returned; None where it did not, or was not run.
+    """
+
+    build: Build
+    emulator: str
+    selftest: int | None
+    functions: tuple[OnMachine, ...]
+    left_out: str = ""
+
+    @property
+    def cases(self) -> int:
+        """Cases that it ran, over all functions."""
+        return sum(f.cases for f in self.functions)
+
+    @property
+    def mismatches(self) -> int:
+        """Those whose outcome is not the integer program's."""
+        return sum(f.mismatches for f in self.functions)
+
+
+@dataclass(frozen=True, slots=True)
 class Report:
     """The outcome of a verification. ``notes`` say what was left out, and why."""
 
@@ -112,6 +162,7 @@ class Report:
     functions: tuple[FunctionFound, ...]
     failures: tuple[Failure, ...]
     notes: tuple[str, ...] = field(default=())
+    machines: tuple[MachineFound, ...] = field(default=())
 
     @property
     def ok(self) -> bool:
