@@ -18,7 +18,7 @@ ifneq ($(shell "$(PYTHON)" -V 2>&1),$(shell .venv/bin/python -V 2>&1))
 endif
 endif
 
-.PHONY: help demo test lint pytest test-long wheel generated bench fit fuzz clean compiler
+.PHONY: help demo test lint pytest test-long wheel generated bench fit limits fuzz clean compiler
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -53,6 +53,9 @@ bench: .venv/for-bench ## measure cost and error beside lookup tables, float C a
 
 fit: .venv/for-test ## measure what has changed of the cost model's training set, and fit its weights: minutes
 	@$(BIN)/python -m scripts.fit_costs
+
+limits: .venv/for-test ## measure how near the generated C comes to the counted limit; write the tables of docs/limit.md
+	@$(BIN)/python -m scripts.limits
 
 RUNS ?= 1000000
 SEED ?= 1
