@@ -7,6 +7,7 @@ ours; 130 interrupted; 141 whoever read our output went away.
 from __future__ import annotations
 
 import argparse
+import errno
 import importlib
 import os
 import sys
@@ -55,7 +56,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return UNREAD
     except OSError as error:
-        return _stopped(f"{error.filename}: {error.strerror}" if error.filename is not None else str(error), words)
+        return _stopped(_told(error), words)
+    except MemoryError:
+        return _stopped("out of memory", words)
     except KeyboardInterrupt:
         terminal.complain("interrupted")
         return INTERRUPTED
@@ -73,6 +76,17 @@ def _stopped(message: str, words: list[str]) -> int:
     if _wants_json(words):
         terminal.print_failure_as_json(message)
     return MISUSED
+
+
+def _told(error: OSError) -> str:
+    """What the system refused, and at which file; writing does not name the file that a full disk had no room for."""
+    if error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    if error.errno == errno.ENOSPC:
+        import tempfile
+
+        return f"{error.strerror}; temporary files are in {tempfile.gettempdir()}, and TMPDIR names another folder"
+    return str(error)
 
 
 def _wants_json(words: list[str]) -> bool:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import fcntl
 import hashlib
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,8 +36,9 @@ def write(plan: Plan, directory: str | os.PathLike[str]) -> list[str]:
     """Write every file or none, and give the names written.
 
     All are first written beside their places and only then renamed over them, so that a full disk or a refusal leaves
-    the old files as they were; where a rename fails, those before it are taken back. Raises OSError, which names the
-    file or the folder that is at fault.
+    the old files as they were; where a rename fails, those before it are taken back. Of two that write into one folder
+    at once the later waits, so that the files left are all of one of them. Raises OSError, which names the file or the
+    folder that is at fault.
     """
     folder = Path(directory)
     if folder.exists() and not folder.is_dir():
@@ -45,6 +47,12 @@ def write(plan: Plan, directory: str | os.PathLike[str]) -> list[str]:
     for name in plan.files:
         if (folder / name).is_dir():
             raise IsADirectoryError(errno.EISDIR, "is a folder in the place of a file", str(folder / name))
+    with _alone_in(folder):
+        _replace_all(plan, folder)
+    return list(plan.files)
+
+
+def _replace_all(plan: Plan, folder: Path) -> None:
     beside: list[tuple[str, Path]] = []
     replaced: list[tuple[Path, bytes | None]] = []
     try:
@@ -62,7 +70,18 @@ def write(plan: Plan, directory: str | os.PathLike[str]) -> list[str]:
         for temporary, _ in beside:
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(temporary)
-    return list(plan.files)
+
+
+@contextlib.contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """Hold the folder against other writers; where its file system has no locks, go on without."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with contextlib.suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def stale(plan: Plan, directory: str | os.PathLike[str]) -> list[str]:

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fuzzyspec.diagnostics.refusal import MissingTool
+from fuzzyspec.diagnostics.refusal import MissingTool, Refusal
 
 STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Wshadow")
 """What the generated C is clean under, on top of ``-std=c99``."""
@@ -23,6 +23,12 @@ SANITIZERS: tuple[tuple[str, ...], ...] = (
     ("-fsanitize=undefined", "-fsanitize-undefined-trap-on-error", "-g"),
 )
 """Best first: some compilers come without the address sanitizer's library, some without either."""
+
+MOST_SECONDS = 600
+"""A compiler that takes longer is given up: the longest C that a spec can give takes one minute."""
+
+INTERRUPTED = ("terminated signal", "signal terminated program", "No space left on device", "virtual memory exhausted")
+"""What a compiler says that did not come to judge the C."""
 
 
 class BuildError(Exception):
@@ -49,7 +55,8 @@ class Toolchain:
 
         ``libraries`` (``-lgcc``) follow the sources, as linkers want it.
 
-        Raises BuildError where it fails and MissingTool where it cannot be started.
+        Raises BuildError where it rejects the C, MissingTool where it cannot be started, and Refusal where it comes to
+        no verdict: killed, out of disk or memory, out of time, or ended without a file.
         """
         # Relative names, so that what the compiler prints names no temporary folder.
         folder = target.parent
@@ -64,10 +71,23 @@ class Toolchain:
                 text=True,
                 errors="replace",
                 check=False,
+                timeout=MOST_SECONDS,
             )
+        except subprocess.TimeoutExpired as error:
+            raise Refusal(f"{self.name} was stopped: it took more than {MOST_SECONDS} seconds") from error
         except OSError as error:
             raise MissingTool(f"cannot run the C compiler `{self.command[0]}`: {error.strerror or error}") from error
         said = done.stdout + done.stderr
+        if done.returncode < 0:
+            raise Refusal(
+                f"{self.name} was killed by signal {-done.returncode} before it was done",
+                "try again, with more memory if that was short",
+            )
+        unwell = next((line for line in said.splitlines() if any(sign in line for sign in INTERRUPTED)), None)
+        if done.returncode != 0 and unwell is not None:
+            raise Refusal(f"{self.name} could not do its work: {unwell.strip()}")
+        if done.returncode == 0 and not target.exists():
+            raise Refusal(f"{self.name} reported success, yet made no file", "see whether it is a C compiler")
         if done.returncode != 0:
             raise BuildError(f"{self.name} rejected the C (exit status {done.returncode})", said)
         return said
