@@ -83,6 +83,7 @@ class Spec:
         self.module = module
         self.warnings = warnings
         self.tolerance = tolerance
+        self._lowered: dict[LowerOptions, Lowered] = {}
 
     def within(self, percent: Fraction | str | int | None) -> Spec:
         """The same spec, with outputs that may be off by so much of their range, in percent, as far as it is certified.
@@ -194,10 +195,13 @@ class Spec:
         """The integer program and its certificates. Raises SpecError where the spec's numbers do not fit."""
         from fuzzyspec.lower import LoweringError, lower
 
-        try:
-            return lower(self.module, self._tolerant(options))
-        except LoweringError as error:
-            raise SpecError(self.source, error.diagnostics) from error
+        chosen = self._tolerant(options)
+        if chosen not in self._lowered:
+            try:
+                self._lowered[chosen] = lower(self.module, chosen)
+            except LoweringError as error:
+                raise SpecError(self.source, error.diagnostics) from error
+        return self._lowered[chosen]
 
     def forecasts(self, options: LowerOptions, lowered: Lowered | None = None) -> tuple[Forecast, ...]:
         """What the cost model says to the spec's budgets, limit by limit; empty where there are none.
@@ -253,7 +257,7 @@ class Spec:
             rows = read_scenario(subject, text, os.fspath(scenario), raw=raw)
             asked = replace(asked, only=(subject.name,), replayed={subject.name: rows})
         program, subjects, files = self._compiled(options)
-        theirs = None if c is None else TheirC(_beside(Path(c), tuple(files), self.name))
+        theirs = None if c is None else TheirC(beside(Path(c), tuple(files), self.name))
         return verify(program, subjects, files, asked, theirs, progress)
 
     @property
@@ -325,7 +329,11 @@ def load(spec: str | os.PathLike[str]) -> Spec:
 
     Raises SpecError, whose ``diagnostics`` are everything that was found, and OSError where the file cannot be read.
     """
-    source, problems = read(spec)
+    return accept(*read(spec))
+
+
+def accept(source: Source, problems: tuple[Diagnostic, ...] = ()) -> Spec:
+    """The spec of a text; ``problems`` are those of its encoding. Raises SpecError as ``load``."""
     module, diagnostics = _checked(source, problems)
     if module is None:
         raise SpecError(source, diagnostics)
@@ -371,7 +379,7 @@ def _decoded(path: Path) -> str:
         raise Refusal(f"{path}: line {line} is not UTF-8", "save the file as UTF-8") from error
 
 
-def _beside(path: Path, generated: tuple[str, ...], module: str) -> dict[str, bytes]:
+def beside(path: Path, generated: tuple[str, ...], module: str) -> dict[str, bytes]:
     """A user's C under the name that the build knows, with what of the other files lies beside it."""
     found = {f"{module}.c": path.read_bytes()}
     for name in generated:

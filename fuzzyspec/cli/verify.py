@@ -11,7 +11,9 @@ from fuzzyspec.cli.lowering import add_lowering, lowering
 from fuzzyspec.cli.spec import spec_path
 
 if TYPE_CHECKING:
-    from fuzzyspec.verify import Machines
+    from fuzzyspec.api import Spec
+    from fuzzyspec.certify import Progress
+    from fuzzyspec.verify import Machines, Report
 
 MACHINES = ("host", "cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr", "mips-be", "wasm32")
 LEVELS = ("O0", "O2", "Os", "O3")
@@ -27,7 +29,9 @@ def register(subparsers: Any) -> None:
         "and meaning within the certified bounds.",
         epilog="exit status: 0 verified, 1 not, 2 wrong usage or no C compiler",
     )
-    parser.add_argument("file", metavar="FILE.fz", type=spec_path, help="the spec")
+    parser.add_argument(
+        "file", metavar="FILE.fz", type=spec_path, nargs="?", help="the spec; not needed with --recheck"
+    )
     parser.add_argument("--c", metavar="FILE", type=Path, help="verify this C file instead of the generated one")
     parser.add_argument("--only", metavar="NAME", action="append", default=[], help="verify this controller or system")
     parser.add_argument("--scenario", metavar="CSV", type=Path, help="replay recorded inputs instead of making them up")
@@ -59,6 +63,15 @@ def register(subparsers: Any) -> None:
         help="cases of a function that each build for --target runs (default: 100000; 20000 in simavr)",
     )
     add_lowering(parser)
+    parser.add_argument(
+        "--certificate", metavar="FILE", type=Path, help="write what was shown, how, and of which spec, C and tool"
+    )
+    parser.add_argument(
+        "--recheck",
+        metavar="FILE",
+        type=Path,
+        help="verify again what a certificate says; a spec or a --c named beside must be the one that it is of",
+    )
     parser.add_argument("--format", choices=("text", "json"), default="text", help="what is printed")
     parser.set_defaults(run=run)
 
@@ -69,8 +82,14 @@ def run(arguments: argparse.Namespace) -> int:
     from fuzzyspec.cli.progress import Bar
     from fuzzyspec.diagnostics.refusal import Refusal
 
+    if arguments.recheck is not None:
+        return _recheck(arguments)
+    if arguments.file is None:
+        raise Refusal("no spec is named", "name one, or a certificate by --recheck")
     if arguments.raw and arguments.scenario is None:
         raise Refusal("--raw says how to read a scenario", "give --scenario too")
+    if arguments.certificate is not None and arguments.scenario is not None:
+        raise Refusal("a certificate is about generated cases", "leave out --scenario or --certificate")
     machines = _found(arguments)
     spec = api.load(arguments.file)
     known = list(spec.functions)
@@ -78,19 +97,23 @@ def run(arguments: argparse.Namespace) -> int:
         if name not in known:
             raise Refusal(f"{spec.name} has no controller or system `{name}`", f"it has {', '.join(known)}")
     with Bar() as bar:
-        report = spec.verify(
-            seed=arguments.seed,
-            cases=arguments.cases,
-            only=tuple(arguments.only),
-            c=arguments.c,
-            scenario=arguments.scenario,
-            raw=arguments.raw,
-            sanitize=not arguments.no_sanitize,
-            worst=arguments.worst,
-            options=lowering(arguments),
-            machines=machines,
-            progress=bar.show if sys.stderr.isatty() else None,
-        )
+        progress = bar.show if sys.stderr.isatty() else None
+        if arguments.certificate is not None:
+            report = _certified(arguments, spec, progress)
+        else:
+            report = spec.verify(
+                seed=arguments.seed,
+                cases=arguments.cases,
+                only=tuple(arguments.only),
+                c=arguments.c,
+                scenario=arguments.scenario,
+                raw=arguments.raw,
+                sanitize=not arguments.no_sanitize,
+                worst=arguments.worst,
+                options=lowering(arguments),
+                machines=machines,
+                progress=progress,
+            )
     from fuzzyspec.verify import as_json, as_text
 
     if arguments.format == "json":
@@ -100,6 +123,70 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print(as_text(report, worst=arguments.worst))
     return 0 if report.ok else 1
+
+
+def _certified(arguments: argparse.Namespace, spec: Spec, progress: Progress | None) -> Report:
+    """Verify, and write the certificate where that succeeds: it says what was shown."""
+    import json
+
+    from fuzzyspec.certify import certify
+    from fuzzyspec.emit import Plan, write
+    from fuzzyspec.verify.evidence import Asked
+
+    asked = Asked(
+        seed=arguments.seed,
+        cases=arguments.cases,
+        only=tuple(arguments.only),
+        sanitize=not arguments.no_sanitize,
+        worst=arguments.worst,
+        bounds=arguments.bounds,
+        optimize=arguments.optimize,
+        chosen_for=arguments.chosen_for,
+        tolerance=None if arguments.tolerance is None else str(arguments.tolerance),
+        targets=tuple(arguments.target or ()),
+        levels=None if arguments.levels is None else tuple(arguments.levels),
+        compiler=arguments.compiler,
+        target_cases=arguments.target_cases,
+    )
+    report, certificate = certify(spec, asked, arguments.c, progress)
+    if report.ok:
+        text = json.dumps(certificate, indent=1) + "\n"
+        write(Plan({arguments.certificate.name: text.encode()}), arguments.certificate.parent)
+    return report
+
+
+def _recheck(arguments: argparse.Namespace) -> int:
+    """Verify a certificate again: 0 where all of it holds, else 1 and what does not."""
+    import hashlib
+    import json
+
+    from fuzzyspec import api
+    from fuzzyspec.certify import recheck
+    from fuzzyspec.cli.progress import Bar
+    from fuzzyspec.diagnostics.refusal import Refusal
+
+    try:
+        certificate = json.loads(arguments.recheck.read_bytes())
+    except ValueError as error:
+        raise Refusal(f"{arguments.recheck} is no certificate: it is not JSON") from error
+    with Bar() as bar:
+        broken, notes = recheck(certificate, bar.show if sys.stderr.isatty() else None)
+    if arguments.file is not None and api.read(arguments.file)[0].sha256 != certificate["spec"]["sha256"]:
+        broken.append(f"{arguments.file} is not the spec that was verified")
+    if arguments.c is not None:
+        found = hashlib.sha256(arguments.c.read_bytes()).hexdigest()
+        if found not in (entry["sha256"] for entry in certificate["c"].values()):
+            broken.append(f"{arguments.c} is not the C that was verified")
+    if arguments.format == "json":
+        print(json.dumps({"ok": not broken, "broken": broken, "notes": notes}, indent=2))
+    else:
+        for note in notes:
+            print(f"note: {note}")
+        for line in broken:
+            print(f"FAILED {line}")
+        holds = "holds" if not broken else "does NOT hold"
+        print(f"{arguments.recheck}: {holds}, {len(certificate['shown'])} claims of {certificate['spec']['name']}")
+    return 1 if broken else 0
 
 
 def _found(arguments: argparse.Namespace) -> Machines | None:

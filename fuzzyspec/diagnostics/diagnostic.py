@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
@@ -33,6 +34,11 @@ class Source:
     def __post_init__(self) -> None:
         starts = [0] + [i + 1 for i, ch in enumerate(self.text) if ch == "\n"]
         object.__setattr__(self, "_starts", tuple(starts))
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the text with its lines ended by LF, so that it does not depend on how a checkout ends them."""
+        return hashlib.sha256(self.text.replace("\r\n", "\n").replace("\r", "\n").encode()).hexdigest()
 
     def position(self, offset: int) -> tuple[int, int]:
         """Line and column of an offset, both counted from 1."""
