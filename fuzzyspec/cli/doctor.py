@@ -74,9 +74,10 @@ def libraries() -> tuple[Finding, ...]:
         ("numpy", "exact and integer models", True),
         ("cffi", "calls the generated C", True),
         ("matplotlib", "fuzzyc sim: figures", False),
-        ("ziglang", "fuzzyc cost: C for Cortex-M and RISC-V", False),
-        ("unicorn", "fuzzyc cost: emulates Cortex-M and RISC-V", False),
-        ("pyelftools", "fuzzyc cost: reads what was built", False),
+        ("ziglang", "fuzzyc cost, verify --target: C for every machine but AVR", False),
+        ("unicorn", "fuzzyc cost, verify --target: emulates Cortex-M, RISC-V, MIPS", False),
+        ("wasmtime", "fuzzyc verify --target: runs WebAssembly", False),
+        ("pyelftools", "fuzzyc cost, verify --target: reads what was built", False),
         ("lark", "after a change of grammar/: the parser's table", False),
     )
     return tuple(
@@ -137,9 +138,10 @@ def cross_compilers() -> tuple[Finding, ...]:
         ("arm-none-eabi-gcc", "C for Cortex-M", "apt install --no-install-recommends gcc-arm-none-eabi"),
         ("avr-gcc", "C for AVR", "apt install gcc-avr avr-libc"),
         ("riscv64-unknown-elf-gcc", "C for RISC-V", "apt install gcc-riscv64-unknown-elf"),
+        ("mips-linux-gnu-gcc", "C for MIPS, big-endian", "apt install gcc-mips-linux-gnu"),
     )
     here = "found" if shutil.which("simavr") else None
-    avr = Finding("simavr", "fuzzyc cost: cycles on AVR", here, "apt install simavr", False)
+    avr = Finding("simavr", "fuzzyc cost, verify --target: runs AVR, cycle by cycle", here, "apt install simavr", False)
     compilers = (
         Finding(name, use, first_line((name,)) if shutil.which(name) else None, way_out, False)
         for name, use, way_out in listed
