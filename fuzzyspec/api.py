@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from fuzzyspec.model.system import Module, System
     from fuzzyspec.model.variable import Variable
     from fuzzyspec.native import NativeModule, Result
-    from fuzzyspec.verify import Machines, Report, Subject
+    from fuzzyspec.verify import Machines, Report, Subject, Sweep
 
 __all__ = ["Diagnostic", "Evaluation", "Source", "Spec", "SpecError", "diagnose", "load", "read"]
 
@@ -231,6 +231,7 @@ class Spec:
         worst: bool = False,
         options: LowerOptions | None = None,
         machines: Machines | None = None,
+        sweep: Sweep | None = None,
         progress: Callable[[int, int, str], None] | None = None,
     ) -> Report:
         """Show that the C does what the spec says, or that it does not.
@@ -239,16 +240,17 @@ class Spec:
         to verify instead of the generated one (its header is taken from beside it, else the generated one).
         ``scenario``: a CSV of recorded inputs to replay instead of generated cases, in declared units or, with
         ``raw``, raws. ``options``: what the C was compiled with. ``machines``: where else the same C is to run
-        (``verify.find_machines``). ``worst``: also search for each output's largest error, uphill from the worst of the
-        other cases. ``progress`` is called with cases done, cases planned and the name of the function, or the machine.
-        Raises MissingTool where there is no C compiler, ScenarioError for a bad recording, OSError for a file that
+        (``verify.find_machines``). ``sweep``: try every input there is (``verify.Sweep``). ``worst``: also search for
+        each output's largest error, uphill from the worst of the other cases. ``progress`` is called with cases done,
+        cases planned and the name of the function, or the machine. Raises MissingTool where there is no C compiler,
+        Refusal where there are too many inputs to sweep, ScenarioError for a bad recording, OSError for a file that
         cannot be read.
         """
         from fuzzyspec.verify import Options, TheirC, read_scenario, verify
 
         for name in only:
             self._subject(name)
-        asked = Options(only=only, sanitize=sanitize, directed=worst, machines=machines)
+        asked = Options(only=only, sanitize=sanitize, directed=worst, machines=machines, sweep=sweep)
         asked = asked if seed is None else replace(asked, seed=seed)
         asked = asked if cases is None else replace(asked, cases=cases)
         if scenario is not None:

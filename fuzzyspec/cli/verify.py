@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fuzzyspec.cli import terminal
 from fuzzyspec.cli.lowering import add_lowering, lowering
 from fuzzyspec.cli.spec import spec_path
 
 if TYPE_CHECKING:
     from fuzzyspec.api import Spec
     from fuzzyspec.certify import Progress
-    from fuzzyspec.verify import Machines, Report
+    from fuzzyspec.verify import Machines, Report, Sweep
 
 MACHINES = ("host", "cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr", "mips-be", "wasm32")
 LEVELS = ("O0", "O2", "Os", "O3")
@@ -62,6 +65,17 @@ def register(subparsers: Any) -> None:
         type=_natural,
         help="cases of a function that each build for --target runs (default: 100000; 20000 in simavr)",
     )
+    parser.add_argument(
+        "--exhaustive",
+        action="store_true",
+        help="then sweep every input there is, where a function has at most 2^32, on all processors",
+    )
+    parser.add_argument(
+        "--state",
+        metavar="FILE",
+        type=Path,
+        help="keep in this file how far --exhaustive has come, and go on from there",
+    )
     add_lowering(parser)
     parser.add_argument(
         "--certificate", metavar="FILE", type=Path, help="write what was shown, how, and of which spec, C and tool"
@@ -90,13 +104,17 @@ def run(arguments: argparse.Namespace) -> int:
         raise Refusal("--raw says how to read a scenario", "give --scenario too")
     if arguments.certificate is not None and arguments.scenario is not None:
         raise Refusal("a certificate is about generated cases", "leave out --scenario or --certificate")
+    if arguments.state is not None and not arguments.exhaustive:
+        raise Refusal("--state is about --exhaustive", "give --exhaustive too")
+    if arguments.exhaustive and arguments.certificate is not None:
+        raise Refusal("a certificate does not tell of --exhaustive", "leave out one of the two")
     machines = _found(arguments)
     spec = api.load(arguments.file)
     known = list(spec.functions)
     for name in arguments.only:
         if name not in known:
             raise Refusal(f"{spec.name} has no controller or system `{name}`", f"it has {', '.join(known)}")
-    with Bar() as bar:
+    with _told(arguments.state), Bar() as bar:
         progress = bar.show if sys.stderr.isatty() else None
         if arguments.certificate is not None:
             report = _certified(arguments, spec, progress)
@@ -112,6 +130,7 @@ def run(arguments: argparse.Namespace) -> int:
                 worst=arguments.worst,
                 options=lowering(arguments),
                 machines=machines,
+                sweep=_sweep(arguments) if arguments.exhaustive else None,
                 progress=progress,
             )
     from fuzzyspec.verify import as_json, as_text
@@ -187,6 +206,30 @@ def _recheck(arguments: argparse.Namespace) -> int:
         holds = "holds" if not broken else "does NOT hold"
         print(f"{arguments.recheck}: {holds}, {len(certificate['shown'])} claims of {certificate['spec']['name']}")
     return 1 if broken else 0
+
+
+@contextmanager
+def _told(state: Path | None) -> Iterator[None]:
+    """Whoever interrupts a sweep that keeps its state is told how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if state is not None and state.exists():
+            terminal.complain(f"{state} holds how far it came: the same command goes on from there")
+        raise
+
+
+def _sweep(arguments: argparse.Namespace) -> Sweep:
+    """A sweep that says beforehand how long it will take, and keeps its state in the file given."""
+    from fuzzyspec.cli.progress import duration
+    from fuzzyspec.cli.sweepfile import SweepFile
+    from fuzzyspec.verify import Sweep
+
+    def begin(inputs: int, seconds: float, processors: int) -> None:
+        on = "1 processor" if processors == 1 else f"{processors} processors"
+        print(f"\r{inputs:,} inputs to sweep: about {duration(seconds)} on {on}{'':20}", file=sys.stderr)
+
+    return Sweep(None if arguments.state is None else SweepFile(arguments.state), begin)
 
 
 def _found(arguments: argparse.Namespace) -> Machines | None:

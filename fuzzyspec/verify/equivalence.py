@@ -6,18 +6,21 @@ import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from fuzzyspec.emit import Plan
 from fuzzyspec.emit.names import name_module
 from fuzzyspec.fixed.program import Program
 from fuzzyspec.native import BuildError, Death, NativeModule, NativeProcess, Toolchain, find_toolchain
 from fuzzyspec.verify.bench import BLOCK, Bench
 from fuzzyspec.verify.cases import DEFAULT_CASES, Batch, batches, bulk, planned
 from fuzzyspec.verify.directed import Directed, Effort, search
+from fuzzyspec.verify.exhaust import Sweep, exhaust, spaces
 from fuzzyspec.verify.machines import Machines, on_machines
 from fuzzyspec.verify.report import Failure, MachineFound, Report
 from fuzzyspec.verify.runner import Runner
 from fuzzyspec.verify.sample import Sample
 from fuzzyspec.verify.steps import Progress, Steps
 from fuzzyspec.verify.subject import Subject
+from fuzzyspec.version import __version__
 
 DEFAULT_SEED = 20_240_229
 
@@ -30,7 +33,7 @@ class Options:
     """``only``: functions to verify (all if empty). ``replayed``: batches to run instead of the generated ones.
 
     ``directed``: whether to search for each output's largest error, from the worst of the other cases.
-    ``machines``: where else a sample of the cases is to run.
+    ``machines``: where else a sample of the cases is to run. ``sweep``: whether to try every input there is, and how.
     """
 
     seed: int = DEFAULT_SEED
@@ -41,6 +44,7 @@ class Options:
     replayed: Mapping[str, Sequence[Batch]] | None = None
     directed: bool = False
     machines: Machines | None = None
+    sweep: Sweep | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +69,7 @@ def verify(
     """
     toolchain = find_toolchain()
     chosen = [s for s in subjects if not options.only or s.name in options.only]
+    swept = () if options.sweep is None else spaces(chosen)
     report = Report(program.name, options.seed, toolchain.name, (), None, (), ())
     tested = {**files, **theirs.files} if theirs is not None else files
     with contextlib.ExitStack() as stack:
@@ -85,7 +90,7 @@ def verify(
             stack.enter_context(sanitized)
         benches = [Bench(subject, runner, sanitized, _sample(subject, options)) for subject in chosen]
         total = sum(_planned(s, options, theirs_in_bulk is not None) for s in chosen)
-        steps = Steps(total + _elsewhere(benches, options), progress)
+        steps = Steps(total + _elsewhere(benches, options) + sum(s.inputs for s in swept), progress)
         for bench in benches:
             for batch in _cases(bench, options):
                 steps.add(batch.n, bench.subject.name)
@@ -95,6 +100,17 @@ def verify(
                     blocks = range(start, min(start + CHUNK, most))
                     bench.in_bulk(theirs_in_bulk, generated, options.seed, blocks)
                     steps.add(len(blocks) * BLOCK, bench.subject.name)
+        if options.sweep is not None and not any(b.failures for b in benches):
+
+            def another() -> contextlib.AbstractContextManager[Runner]:
+                if theirs is None:
+                    return contextlib.nullcontext(generated)
+                seconds = max(options.seconds, 120.0)
+                return NativeProcess(program, tested, toolchain, warnings_are_errors=False, seconds=seconds)
+
+            key = {"tool": __version__, "compiler": toolchain.name}
+            key |= {"generated": Plan(files).digest, "c": Plan(tested).digest}
+            notes += exhaust(benches, another, options.sweep, steps, key)
     machines: tuple[MachineFound, ...] = ()
     elsewhere: tuple[Failure, ...] = ()
     if options.machines is not None:

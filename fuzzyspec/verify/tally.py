@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -63,6 +64,27 @@ class Tally:
         """Count cases of which only the hashes were compared."""
         self.cases += cases
         self.kinds["bulk"] += cases
+
+    def add_swept(
+        self,
+        cases: int,
+        compared: int,
+        largest: Mapping[str, tuple[float, Batch]],
+        decisions: Mapping[str, tuple[int, int, float]],
+    ) -> None:
+        """Count what a sweep found no fault with: its largest errors, its decisions (``swept.Swept``)."""
+        self.cases += cases
+        self.compared += compared
+        self.kinds["every input"] += cases
+        for name, (error, worst) in largest.items():
+            tally = self.outputs.setdefault(name, _Output())
+            if error > tally.largest:
+                tally.largest, tally.worst = error, worst
+        for key, (taken, disagreed, apart) in decisions.items():
+            decision = self.decisions.setdefault(key, _Decision())
+            decision.taken += taken
+            decision.disagreed += disagreed
+            decision.largest = max(decision.largest, apart)
 
     def add_exact(self, batch: Batch, run: Run, exact: Exact) -> tuple[Bools, Bools]:
         """Count a batch against the exact meaning; lanes that seem beyond their bounds, and beyond their bands."""
