@@ -169,3 +169,34 @@ def test_the_text_has_a_line_for_levels_that_came_out_alike(keeper: Path, capsys
     assert line[-4] == "wasmtime"
     assert line[-2:] == ["0", "passed"]
     assert "more on 1 machine" in out
+
+
+def test_the_page_names_every_key_of_the_data(keeper: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """docs/verify.md tells of the whole report, that of a failure on a machine too."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "verify.md").read_text(encoding="utf-8")
+    mine = keeper.with_name("mine.c")
+    text = keeper.with_suffix(".c").read_text(encoding="utf-8")
+    start = text.index("\nkeeper_status_t keeper_hold(")
+    end = text.index("return", start)
+    mine.write_text(f"{text[:end]}out->y = 3U;\n    {text[end:]}", encoding="utf-8")
+    words = ["--target", "wasm32", "--levels", "O2", "--c", str(mine), "--worst"]
+    status, report = verified(capsys, str(keeper), *words)
+    assert status == 1
+    assert report["machines"]
+    assert report["failures"]
+    keys: set[str] = set()
+
+    def look(value: object) -> None:
+        if isinstance(value, dict):
+            # What follows these is named by the spec.
+            named = {"raws", "values", "state", "kinds"}
+            keys.update(value)
+            for key, inner in value.items():
+                if key not in named:
+                    look(inner)
+        elif isinstance(value, list):
+            for inner in value:
+                look(inner)
+
+    look(report)
+    assert {key for key in keys if f"`{key}`" not in page} <= {"where", "kernel", "percent"}
