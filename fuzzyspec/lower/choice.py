@@ -6,10 +6,11 @@ the cheapest is taken.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
+from math import prod
 from typing import get_args
 
 from fuzzyspec.estimate.model import flash, time
@@ -33,20 +34,30 @@ WIDTHS: Mapping[Target, Widths] = {t: "narrow" if t == "avr" else "words" for t 
 
 @dataclass(frozen=True)
 class Weighing:
-    """What is to be least: ``time ** for_time * flash ** for_flash``, a geometric mean over the compiler's options."""
+    """What is to be least: ``time ** for_time * flash ** for_flash``, a geometric mean over the compiler's options.
+
+    With ``patience`` also what a program takes longer than so many times the fastest, as a factor.
+    """
 
     for_time: float
     for_flash: float
     options: tuple[Option, ...]
+    patience: float | None = None
+
+    def of(self, times: Sequence[float], sizes: Sequence[float], fastest: float) -> float:
+        """Of a program's times and flash, by option; ``fastest`` is the least of its rivals' times by the first."""
+        late = 1.0 if self.patience is None else max(1.0, times[0] / (self.patience * fastest))
+        cost = prod((t**self.for_time * f**self.for_flash for t, f in zip(times, sizes, strict=True)), start=late)
+        return float(cost)
 
 
 GOALS: Mapping[Goal, Weighing] = {
     "speed": Weighing(1, 1 / 8, ("O2",)),
     "balanced": Weighing(1, 1, ("O2", "Os")),
-    "size": Weighing(1 / 8, 1, ("Os",)),
+    "size": Weighing(0, 1, ("Os",), patience=2),
 }
-"""Twice the flash must buy 8 % of the time where speed is asked for; twice the time must save 8 % of the flash where
-size is; and either is worth the other in between."""
+"""Twice the flash must buy 8 % of the time where speed is asked for; where size is, only flash counts up to twice the
+time of the fastest, beyond that either is worth the other, as it is in between."""
 
 
 @dataclass(frozen=True)
@@ -84,25 +95,53 @@ def choose(controller: Controller, goal: Goal, target: Target, precision: Precis
 
     One field of the strategy after the other, in declared order, is set to what comes out cheapest with the others as
     they are; of equals the first stays. What does something that the model has never seen comes after what does not.
+    With patience fields do touch each other: it is done from the fastest strategy too, and the better one taken.
     Raises RangeError where no strategy fits 32 bits, and TooManySets.
     """
+    possible = strategies(controller)
+    first = _first(controller, possible, target, precision)
+
+    @cache
+    def lowered(strategy: Strategy) -> Candidate | None:
+        try:
+            return first if strategy == first.strategy else candidate(controller, strategy, target, precision)
+        except RangeError:
+            return None
+
+    def quickest(profile: Profile) -> float:
+        return time(profile, target, GOALS[goal].options[0])
+
+    if GOALS[goal].patience is None:
+        return _descended(first, possible, lowered, lambda profile: weigh(profile, goal, target))
+    quick = _descended(first, possible, lowered, quickest)
+    fastest = quickest(quick.profile)
+
+    def weighed(profile: Profile) -> float:
+        return weigh(profile, goal, target, fastest)
+
+    found = [_descended(start, possible, lowered, weighed) for start in (first, quick)]
+    return min(found, key=lambda c: (unseen(c.profile.code), weighed(c.profile)))
+
+
+def _descended(
+    first: Candidate,
+    possible: Sequence[Strategy],
+    lowered: Callable[[Strategy], Candidate | None],
+    weighed: Callable[[Profile], float],
+) -> Candidate:
+    """The cheapest that is found by changing one field after the other."""
 
     def cost(of: Candidate) -> tuple[int, float]:
-        return unseen(of.profile.code), weigh(of.profile, goal, target)
+        return unseen(of.profile.code), weighed(of.profile)
 
-    possible = strategies(controller)
-    best = _first(controller, possible, target, precision)
-    least = cost(best)
+    best, least = first, cost(first)
     for field in fields(Strategy):
         anchor = best.strategy
         for strategy in possible:
             if strategy == anchor or replace(strategy, **{field.name: getattr(anchor, field.name)}) != anchor:
                 continue
-            try:
-                tried = candidate(controller, strategy, target, precision)
-            except RangeError:
-                continue
-            if cost(tried) < least:
+            tried = lowered(strategy)
+            if tried is not None and cost(tried) < least:
                 best, least = tried, cost(tried)
     return best
 
@@ -122,10 +161,13 @@ def _first(controller: Controller, possible: tuple[Strategy, ...], target: Targe
     return candidate(controller, possible[-1], target, precision)
 
 
-def weigh(found: Profile, goal: Goal, target: Target) -> float:
-    """What the goal wants least."""
+def weigh(found: Profile, goal: Goal, target: Target, fastest: float = 0.0) -> float:
+    """What the goal wants least; ``fastest`` is the least time of its rivals, where the goal has patience."""
     by = GOALS[goal]
-    cost = 1.0
-    for option in by.options:
-        cost *= time(found, target, option) ** by.for_time * flash(found, target, option) ** by.for_flash
-    return cost
+    times = [time(found, target, option) for option in by.options]
+    return by.of(times, [flash(found, target, option) for option in by.options], fastest)
+
+
+def fastest_of(found: Iterable[Profile], goal: Goal, target: Target) -> float:
+    """The least time of programs, as a goal with patience asks for it."""
+    return min(time(profile, target, GOALS[goal].options[0]) for profile in found)

@@ -9,14 +9,14 @@ from typing import Literal, get_args
 
 from fuzzyspec.diagnostics.diagnostic import Diagnostic, Span
 from fuzzyspec.diagnostics.numerals import exact, upper
-from fuzzyspec.estimate.profile import profile
+from fuzzyspec.estimate.profile import Profile, profile
 from fuzzyspec.fixed.build import RangeError
 from fuzzyspec.fixed.certificate import Band, Certificate, Dominant, OutputBound
 from fuzzyspec.fixed.program import Division, Function, Program, Quotient
 from fuzzyspec.fixed.prune import expressions, nodes
 from fuzzyspec.lower.bounds import ControllerBounds, Effort, bound_controller, means
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
-from fuzzyspec.lower.choice import WIDTHS, Candidate, candidate, choose, weigh
+from fuzzyspec.lower.choice import WIDTHS, Candidate, candidate, choose, fastest_of, weigh
 from fuzzyspec.lower.clipped import MAX_SETS, TooManySets
 from fuzzyspec.lower.controller import ControllerNumbers
 from fuzzyspec.lower.strategy import Goal, Precision, Strategy, Target
@@ -185,13 +185,14 @@ def _system(
     if strategy is not None or not divides:
         return best
 
-    def cost(function: Function) -> float:
-        widths = WIDTHS[options.target]
-        program = Program("choice", (fit_widths(function, widths),))
-        return weigh(profile(program, function.name), options.optimize, options.target)
+    def profiled(function: Function) -> Profile:
+        program = Program("choice", (fit_widths(function, WIDTHS[options.target]),))
+        return profile(program, function.name)
 
     others = [lower_system(system, functions, certify, by) for by in get_args(Division) if by != Strategy().division]
-    return min((best, *others), key=lambda tried: cost(tried[0]))
+    tried = [(one, profiled(one[0])) for one in (best, *others)]
+    fastest = fastest_of((p for _, p in tried), options.optimize, options.target)
+    return min(tried, key=lambda t: weigh(t[1], options.optimize, options.target, fastest))[0]
 
 
 def _of_controller(controller: Controller, bounds: ControllerBounds, options: Options) -> Certificate:

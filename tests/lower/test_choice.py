@@ -14,7 +14,7 @@ import pytest
 from fuzzyspec import load
 from fuzzyspec.estimate.weights import MACHINES, Figure, weights
 from fuzzyspec.lower import Options
-from fuzzyspec.lower.choice import GOALS, WIDTHS, candidate, choose, strategies, weigh
+from fuzzyspec.lower.choice import GOALS, WIDTHS, candidate, choose, fastest_of, strategies, weigh
 from fuzzyspec.lower.strategy import Goal, Strategy, Target, Widths
 from fuzzyspec.model.controller import Controller
 from scripts.cost_training import item_of
@@ -33,15 +33,16 @@ def controller_of(spec: str, function: str) -> Controller:
 def measured(spec: str, function: str, target: str, goal: Goal) -> Iterator[tuple[Any, float]]:
     """Every measured record of a controller, and what the goal makes of its figures."""
     by = GOALS[goal]
+    found = []
     for record in MEASURED["records"]:
         rows = [record["rows"].get(f"{target} {option}") for option in by.options]
         if (record["spec"], record["function"]) == (spec, function) and all(rows):
-            cost = 1.0
-            for row in rows:
-                figures = dict(zip(MEASURED["figures"], row, strict=True))
-                time = figures["instructions_mean"] or figures["cycles_mean"]
-                cost *= time**by.for_time * figures["flash"] ** by.for_flash
-            yield record, cost
+            figures = [dict(zip(MEASURED["figures"], row, strict=True)) for row in rows]
+            times = [f["instructions_mean"] or f["cycles_mean"] for f in figures]
+            found.append((record, times, [f["flash"] for f in figures]))
+    fastest = min((times[0] for _, times, _ in found), default=0.0)
+    for record, times, sizes in found:
+        yield record, by.of(times, sizes, fastest)
 
 
 def band_of(target: str, goal: Goal, share: Literal["median", "nine_in_ten"] = "nine_in_ten") -> float:
@@ -90,7 +91,9 @@ def test_one_field_at_a_time_finds_what_a_search_of_all_finds(goal: Goal) -> Non
     the model's usual error."""
     controller = controller_of("w2", "danger")
     for target in get_args(Target):
-        costs = {s: weigh(candidate(controller, s, target).profile, goal, target) for s in strategies(controller)}
+        profiles = {s: candidate(controller, s, target).profile for s in strategies(controller)}
+        fastest = fastest_of(profiles.values(), goal, target)
+        costs = {s: weigh(p, goal, target, fastest) for s, p in profiles.items()}
         machines = MACHINES if target == "generic" else (target,)
         least = max(band_of(m, goal, "median") for m in machines)
         assert costs[choose(controller, goal, target).strategy] <= min(costs.values()) * least
@@ -101,7 +104,10 @@ def test_goals_pull_apart() -> None:
     controller = controller_of("w3", "velocity")
     speed, size = (choose(controller, goal, "cortex-m0plus") for goal in ("speed", "size"))
     assert weigh(speed.profile, "speed", "cortex-m0plus") < weigh(size.profile, "speed", "cortex-m0plus")
-    assert weigh(size.profile, "size", "cortex-m0plus") < weigh(speed.profile, "size", "cortex-m0plus")
+    fastest = fastest_of((speed.profile, size.profile), "size", "cortex-m0plus")
+    assert weigh(size.profile, "size", "cortex-m0plus", fastest) < weigh(
+        speed.profile, "size", "cortex-m0plus", fastest
+    )
 
 
 def test_an_explicit_strategy_is_taken_and_told() -> None:
