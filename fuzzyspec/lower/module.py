@@ -134,13 +134,13 @@ def _lowered(module: Module, chosen: Options, full: frozenset[str]) -> Lowered:
         exact = (Fraction(0),) * len(controller.inputs)
         bounds[controller.name] = bound_controller(found, exact, alone, prepared[controller.name])
         certificates[controller.name] = _of_controller(controller, bounds[controller.name], chosen)
-    cache: dict[tuple[str, tuple[Fraction, ...]], CallBounds] = {}
+    cache: dict[tuple[object, ...], CallBounds] = {}
 
-    def certify(controller: Controller, errors: tuple[Fraction, ...]) -> CallBounds:
-        key = (controller.name, errors)
+    def certify(controller: Controller, errors: tuple[Fraction, ...], raws: tuple[tuple[int, int], ...]) -> CallBounds:
+        name = controller.name
+        key = (name, errors, raws)
         if key not in cache:
-            name = controller.name
-            found = bound_controller(numbers[name], errors, called, prepared[name], bounds[name])
+            found = bound_controller(numbers[name], errors, called, prepared[name], bounds[name], raws)
             cache[key] = CallBounds(found.errors, found.reasons, found.bands, found.dominants)
         return cache[key]
 

@@ -58,7 +58,8 @@ class CallBounds:
     dominants: dict[str, Dominant | None]
 
 
-Certify = Callable[[Controller, tuple[Fraction, ...]], CallBounds]
+Certify = Callable[[Controller, tuple[Fraction, ...], tuple[tuple[int, int], ...]], CallBounds]
+"""From the errors of a controller's inputs and the raws between which each lies."""
 
 
 @dataclass(frozen=True)
@@ -334,7 +335,7 @@ class Lowering:
             arguments.append(self.arithmetic.bind(placed.raw, f"{name}_raw"))
             errors.append(placed.error)
             carried.append((placed.error / (item.variable.hi - item.variable.lo), item.name))
-        bounds = self.certify(controller, tuple(errors))
+        bounds = self.certify(controller, tuple(errors), tuple((a.lo, a.hi) for a in arguments))
         share, worst = max(carried)
         worst_input = f"; its input {worst} is off by up to {float(100 * share):.3g} %" if share else ""
         callee = self.functions[controller.name]

@@ -63,7 +63,14 @@ NUMBERS = numbers_of()
 class Pairs:
     """Places in a controller's inputs, relative to their ranges, and where their errors may take them."""
 
-    def __init__(self, numbers: ControllerNumbers, errors: tuple[float, ...], seed: int) -> None:
+    def __init__(
+        self,
+        numbers: ControllerNumbers,
+        errors: tuple[float, ...],
+        seed: int,
+        within: list[tuple[float, float]] | None = None,
+    ) -> None:
+        self.within = np.array(within or [(0.0, 1.0)] * len(errors))
         self.controller = numbers.controller
         self.errors = np.array(errors)
         self.dice = np.random.default_rng(seed)
@@ -84,14 +91,18 @@ class Pairs:
         x = np.where(self.dice.random(size) < 0.2, (special + other) / 2, x)
         alike = self.dice.random(size) < 0.2
         x = np.where(alike, x[:, :1], x) + np.where(self.dice.random(size) < 0.3, self.errors, 0.0)
-        return self.legal(x), self.dice.choice([-1.0, 1.0, 1.0, -1.0, 0.3], size)
+        return self.started(x), self.dice.choice([-1.0, 1.0, 1.0, -1.0, 0.3], size)
 
     def near(self, x: Floats, way: Floats, n: int) -> tuple[Floats, Floats]:
         """Close to some of them."""
         which = self.dice.integers(0, len(x), n)
         step = self.dice.normal(0, 1, (n, x.shape[1])) * self.dice.choice([1.0, 0.1, 0.01, 0.001], (n, 1))
         turned = np.where(self.dice.random((n, x.shape[1])) < 0.1, -way[which], way[which])
-        return self.legal(x[which] + step * self.dice.choice([0.1, 0.01], (n, 1))), turned
+        return self.started(x[which] + step * self.dice.choice([0.1, 0.01], (n, 1))), turned
+
+    def started(self, x: Floats) -> Floats:
+        """Where the inputs' values may lie."""
+        return np.asarray(np.clip(x, self.within[:, 0], self.within[:, 1]))
 
     def legal(self, x: Floats) -> Floats:
         return np.asarray(np.clip(x, 0.0, 1.0))
@@ -140,9 +151,11 @@ def _holds(name: str, pairs: Pairs) -> bool:
     return fallback is not None and fallback.hold
 
 
-def bounds_of(numbers: ControllerNumbers, errors: tuple[float, ...], boxes: int) -> dict[str, float]:
+def bounds_of(
+    numbers: ControllerNumbers, errors: tuple[float, ...], boxes: int, raws: tuple[tuple[int, int], ...] | None = None
+) -> dict[str, float]:
     """The lemma's bound of every output, relative to its range."""
-    strengths = Strengths(numbers, errors)
+    strengths = Strengths(numbers, errors, raws)
     found = fastest(strengths, list(means(numbers)), Effort(boxes))
     return {o.name: moved.far for o, moved in zip(numbers.controller.outputs, found, strict=True)}
 
@@ -176,6 +189,24 @@ def test_no_search_moves_an_output_farther_than_its_bound(name: str, error: floa
     numbers = NUMBERS[name]
     errors = tuple(error / (1 + k % 3) for k in range(len(numbers.controller.inputs)))
     beaten(Pairs(numbers, errors, 5), bounds_of(numbers, errors, 3000), 4, 1500)
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_nor_among_the_raws_that_it_is_called_with(name: str) -> None:
+    """The same where a system calls the controller with some raws only, down to a single one."""
+    numbers = NUMBERS[name]
+    dice = np.random.default_rng(11)
+    errors = tuple(2.0**-8 / (1 + k % 2) for k in range(len(numbers.controller.inputs)))
+    for turn in range(2):
+        raws = []
+        for item in numbers.controller.inputs:
+            raw = item.variable.raw
+            lo, hi = sorted(int(r) for r in dice.integers(raw.lo, raw.hi + 1, 2))
+            raws.append((lo, lo if turn and dice.random() < 0.5 else hi))
+        chosen = tuple(raws)
+        strengths = Strengths(numbers, errors, chosen)
+        within = [strengths.legal(i) for i in range(len(errors))]
+        beaten(Pairs(numbers, errors, 5, within), bounds_of(numbers, errors, 2000, chosen), 3, 800)
 
 
 @pytest.mark.parametrize("name", ["nav.danger", "nav.velocity", "w2.danger", "w3s.velocity"])

@@ -36,22 +36,27 @@ def bound_controller(
     effort: Effort,
     prepared: tuple[CentroidBound | AverageBound, ...] | None = None,
     alone: ControllerBounds | None = None,
+    raws: tuple[tuple[int, int], ...] | None = None,
 ) -> ControllerBounds:
     """|integer program - exact| of every output over all inputs, each input off by at most its error (in its unit).
 
     ``prepared`` are the controller's :func:`means`, where it is bounded more than once; ``alone`` its bounds for inputs
-    without error, where they are known.
+    without error, where they are known. ``raws``, where given, are by input the smallest and the largest that it is
+    called with.
     """
+    legal = tuple((i.variable.raw.lo, i.variable.raw.hi) for i in numbers.controller.inputs)
+    if raws == legal:
+        raws = None
     relative = tuple(
         float(e / (i.variable.hi - i.variable.lo)) * (1 + 2.0**-50)
         for e, i in zip(input_errors, numbers.controller.inputs, strict=True)
     )
-    strengths = Strengths(numbers, relative)
+    strengths = Strengths(numbers, relative, raws)
     outputs = list(means(numbers)) if prepared is None else list(prepared)
     if not slopes.applies(strengths):
         return bound_at_once(strengths, outputs, effort)
-    if alone is None:
-        alone = bound_at_once(Strengths(numbers, (0.0,) * len(relative)), outputs, effort)
+    if alone is None or raws is not None:
+        alone = bound_at_once(strengths.off_by((0.0,) * len(relative)), outputs, effort)
     return _carried(strengths, outputs, effort, alone)
 
 
@@ -137,13 +142,13 @@ class _Steepest(Search):
         effort: Effort,
     ) -> None:
         # An interval of inputs is looked at as it is; that they are off is what moves them.
-        super().__init__(Strengths(strengths.numbers, (0.0,) * len(strengths.errors)), outputs, effort)
-        self.off = strengths.errors
+        super().__init__(strengths.off_by((0.0,) * len(strengths.errors)), outputs, effort)
+        self.carrying = strengths
         self.reached = reached
         self.moves = slopes.Slopes(strengths, outputs, reached)
 
     def ends(self, i: int) -> tuple[float, float]:
-        return 0.0, 1.0
+        return self.carrying.around(i)
 
     def evaluate(self, boxes: Boxes) -> tuple[Floats, Floats]:
         parts = [slice(start, start + CHUNK) for start in range(0, len(boxes), CHUNK)]
@@ -153,8 +158,8 @@ class _Steepest(Search):
     def shares(self, box: Boxes, output: int) -> list[float]:
         """How far each input's error alone moves an output."""
         found = []
-        for i, e in enumerate(self.off):
-            alone = Strengths(self.strengths.numbers, tuple(e if k == i else 0.0 for k in range(len(self.off))))
-            moves = slopes.Slopes(alone, self.outputs, self.reached) if e else None
+        for i, e in enumerate(self.carrying.errors):
+            one = self.carrying.off_by(tuple(e if k == i else 0.0 for k in range(len(self.carrying.errors))))
+            moves = slopes.Slopes(one, self.outputs, self.reached) if e else None
             found.append(min(float(moves.rates(box)[0, output]), 1.0) if moves else 0.0)
         return found

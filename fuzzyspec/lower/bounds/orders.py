@@ -7,6 +7,7 @@ and moment are sums of functions of one minor each, and how fast the mean moves 
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from dataclasses import dataclass, replace
@@ -27,6 +28,7 @@ Ints = npt.NDArray[np.int64]
 MOST_PIECES = 60_000
 """Before those that are alike are put together; 6 144 for four inputs of three terms."""
 CLOSE_ENOUGH = 1.05
+NEAR = 2.0**-40
 NARROWEST = 2.0**-14
 CHUNK = 4096
 
@@ -90,24 +92,18 @@ def pieces_of(strengths: Strengths, output: int) -> Pieces:
     cells = controller.cells
     assert cells is not None
     n = len(controller.inputs)
-    choices: list[list[tuple[int, int, float]]] = []
-    for item, error in zip(controller.inputs, strengths.errors, strict=True):
-        assert item.peaks is not None
-        span = item.variable.hi - item.variable.lo
-        sides = []
-        for j, (a, b) in enumerate(itertools.pairwise(item.peaks)):
-            rise = error / float((b - a) / span)
-            sides += [(j, j + 1, rise), (j + 1, j, rise)]
-        choices.append(sides)
-    chosen = list(itertools.product(*choices))
-    major = np.array([[c[0] for c in row] for row in chosen])
-    minor = np.array([[c[1] for c in row] for row in chosen])
-    moved = np.array([[c[2] for c in row] for row in chosen])
+    sides = [_sides(strengths, i) for i in range(n)]
+    chosen = np.stack([g.ravel() for g in np.meshgrid(*(np.arange(len(s)) for s in sides), indexing="ij")], axis=1)
+    # (choices, inputs): which terms are major and minor there, how far the minor moves, where it can lie.
+    major, minor, moved, low, high = (
+        np.stack([s[chosen[:, i], k] for i, s in enumerate(sides)], axis=1) for k in range(5)
+    )
+    major, minor = major.astype(np.int64), minor.astype(np.int64)
+    there = (low <= high).all(axis=1)
     strides = np.array([math.prod(cells.shape[i + 1 :]) for i in range(n)])
     table = np.array(cells.consequents[output])
     row = np.arange(len(chosen))
-    ranks: list[Ints] = []
-    weights: list[Floats] = []
+    found: list[Pieces] = []
     for order in itertools.permutations(range(n)):
         rank = np.zeros((len(chosen), len(controller.outputs[output].terms)), dtype=np.int64)
         for at, first in enumerate(order):
@@ -117,12 +113,37 @@ def pieces_of(strengths: Strengths, output: int) -> Pieces:
                 cells_named = np.where([i in taken for i in range(n)], minor, major) * strides
                 rank[row, table[cells_named.sum(axis=1)]] = at + 1
         rank[row, table[(major * strides).sum(axis=1)]] = n + 1
-        ranks.append(rank)
-        weights.append(moved[:, list(order)])
-    rank, weight = np.concatenate(ranks), np.concatenate(weights)
-    _, once = np.unique(np.concatenate([rank, weight], axis=1), axis=0, return_index=True)
-    once.sort()
-    return Pieces(once, rank[once], weight[once], np.zeros((len(once), n)), np.full((len(once), n), 0.5))
+        turn = list(order)
+        origin = len(found) * len(chosen) + row
+        found.append(Pieces(origin, rank, moved[:, turn], low[:, turn], high[:, turn]).at(there).ordered())
+    pieces = functools.reduce(Pieces.and_, found)
+    alike = np.concatenate([pieces.rank, pieces.weight, pieces.lo, pieces.hi], axis=1)
+    _, once = np.unique(alike, axis=0, return_index=True)
+    return pieces.at(np.sort(once))
+
+
+def _sides(strengths: Strengths, i: int) -> Floats:
+    """By pair of neighbouring terms and by which of them is the minor: major, minor, how far its degree moves, and the
+    ends between which it lies (none where the first is above the second)."""
+    item = strengths.controller.inputs[i]
+    assert item.peaks is not None
+    lo, span = item.variable.lo, item.variable.hi - item.variable.lo
+    ends = strengths.around(i)
+    rows = []
+    for j, pair in enumerate(itertools.pairwise(item.peaks)):
+        a, b = (float((p - lo) / span) for p in pair)
+        # Before the first peak and beyond the last one a degree stays what it is at the peak.
+        at = [(x - a) / (b - a) for x in ends]
+        whole = strengths.raws is None
+        upper = [0.0, 1.0] if whole else [max(0.0, at[0] - NEAR), min(1.0, at[1] + NEAR)]
+        first = j == 0 and at[1] < 0
+        last = j == len(item.peaks) - 2 and at[0] > 1
+        if first or last:
+            upper = [0.0, 0.0] if first else [1.0, 1.0]
+        rise = strengths.errors[i] / (b - a)
+        rows.append([j, j + 1, rise, upper[0], min(0.5, upper[1])])
+        rows.append([j + 1, j, rise, 1 - upper[1], min(0.5, 1 - upper[0])])
+    return np.array(rows)
 
 
 class Fastest:

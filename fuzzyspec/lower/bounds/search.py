@@ -128,8 +128,8 @@ def _reason(parts: tuple[float, float, float]) -> str:
 def strength_error(numbers: ControllerNumbers, strengths: Strengths) -> Fraction:
     """How far a rule's strength can be off, over all inputs."""
     controller = numbers.controller
-    whole = Boxes(np.zeros((1, len(controller.inputs))), np.ones((1, len(controller.inputs))))
-    degrees = strengths.degrees(whole)
+    ends = np.array([strengths.around(i) for i in range(len(controller.inputs))])
+    degrees = strengths.degrees(Boxes(ends[None, :, 0], ends[None, :, 1]))
     off = [max(float(b.off.max()) for b in row) for row in degrees]
     joined = max(off) if controller.infer.and_ == "min" else sum(off)
     cells = Fraction(joined) + numbers.cell_error if controller.cells is not None else Fraction(0)

@@ -55,7 +55,10 @@ def directions(errors: tuple[float, ...]) -> Floats:
 def applies(strengths: Strengths) -> bool:
     """Whether rates say anything: no degree of an input that is off may jump, and the directions must be few."""
     moving = [i for i, e in enumerate(strengths.errors) if e]
-    return 0 < len(moving) <= MOST_INPUTS and not any(m.jumps.any() for i in moving for m in strengths.terms[i])
+    if not 0 < len(moving) <= MOST_INPUTS:
+        return False
+    around = {i: np.array([strengths.around(i)]) for i in moving}
+    return not any(m.jumps_in(at[:, 0], at[:, 1]).any() for i, at in around.items() for m in strengths.terms[i])
 
 
 class Slopes:

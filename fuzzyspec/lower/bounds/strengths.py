@@ -56,12 +56,21 @@ class Levels:
 
 
 class Strengths:
-    """Evaluates one controller's rules over boxes, for given errors of its inputs (relative to their ranges)."""
+    """Evaluates one controller's rules over boxes, for given errors of its inputs (relative to their ranges).
 
-    def __init__(self, numbers: ControllerNumbers, input_errors: tuple[float, ...]) -> None:
+    ``raws``, where given, are all that it is called with: by input the smallest and the largest.
+    """
+
+    def __init__(
+        self,
+        numbers: ControllerNumbers,
+        input_errors: tuple[float, ...],
+        raws: tuple[tuple[int, int], ...] | None = None,
+    ) -> None:
         self.numbers = numbers
         self.controller: Controller = numbers.controller
         self.errors = input_errors
+        self.raws = raws
         self.terms: list[list[Membership]] = [
             [membership(t.shape, i.variable.lo, i.variable.hi) for t in i.terms] for i in self.controller.inputs
         ]
@@ -98,7 +107,7 @@ class Strengths:
             cell_error=numbers.cell_error if i is None else Fraction(0),
             sentence_errors=tuple(e if i is None else Fraction(0) for e in numbers.sentence_errors),
         )
-        return Strengths(one, tuple(e if k == i else 0.0 for k, e in enumerate(self.errors)))
+        return Strengths(one, tuple(e if k == i else 0.0 for k, e in enumerate(self.errors)), self.raws)
 
     def farthest(self, i: int) -> float:
         """How far an interpolation along input i can be led astray, in units of an edge; not capped at 1, since an
@@ -116,10 +125,22 @@ class Strengths:
         return np.stack(columns, axis=1)
 
     def legal(self, i: int) -> tuple[float, float]:
-        """The legal raws' ends, relative to the range."""
+        """The ends of the raws that the controller is called with, relative to the range; all legal ones."""
         v = self.controller.inputs[i].variable
-        ends = sorted((v.raw.value(v.raw.lo), v.raw.value(v.raw.hi)))
+        raws = (v.raw.lo, v.raw.hi) if self.raws is None else self.raws[i]
+        ends = sorted(v.raw.value(r) for r in raws)
         return float((ends[0] - v.lo) / (v.hi - v.lo)), float((ends[1] - v.lo) / (v.hi - v.lo))
+
+    def around(self, i: int) -> tuple[float, float]:
+        """Where an input may be in the exact meaning, relative to its range: about those raws, or anywhere."""
+        if self.raws is None:
+            return 0.0, 1.0
+        low, high = self.legal(i)
+        return max(0.0, low - self.errors[i]), min(1.0, high + self.errors[i])
+
+    def off_by(self, errors: tuple[float, ...]) -> Strengths:
+        """The same with other errors of the inputs."""
+        return Strengths(self.numbers, errors, self.raws)
 
     def levels(self, boxes: Boxes) -> list[Band]:
         """For every output the levels of its terms, arrays (B, terms)."""
