@@ -7,6 +7,7 @@ import json
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from fuzzyspec.cli.lowering import add_tolerance
 from fuzzyspec.cli.spec import spec_path
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "rules come to: cells and who wins them, coverage, what outputs reach, decisions on computed values.",
     )
     parser.add_argument("files", metavar="FILE.fz", type=spec_path, nargs="+", help="the specs")
+    add_tolerance(parser)
     parser.add_argument("--format", choices=("text", "json"), default="text")
     parser.set_defaults(run=run)
 
@@ -37,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     results = []
     sources = [read(file) for file in arguments.files]
     for index, (source, unreadable) in enumerate(sources):
-        report, diagnostics = checked(source, unreadable)
+        report, diagnostics = checked(source, unreadable, arguments.tolerance)
         if arguments.format == "json":
             results.append(
                 {
@@ -59,9 +61,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def checked(
-    source: Source, unreadable: tuple[Diagnostic, ...] = ()
+    source: Source, unreadable: tuple[Diagnostic, ...] = (), tolerance: Fraction | None = None
 ) -> tuple[ModuleReport | None, tuple[Diagnostic, ...]]:
-    """The report, or None where something is wrong, and everything that was found on the way to an integer program."""
+    """The report, or None where something is wrong, and everything that was found on the way to an integer program, one
+    that keeps to the ``tolerance`` in percent where there is one."""
     from fuzzyspec.check import check
     from fuzzyspec.check.report import module_report
     from fuzzyspec.syntax import parse
@@ -72,17 +75,17 @@ def checked(
     diagnostics = (*problems, *found)
     if module is None:
         return None, diagnostics
-    bands, late = _bands(module)
+    bands, late = _bands(module, tolerance)
     report = None if any(d.severity == "error" for d in late) else module_report(module, source, bands)
     return report, (*diagnostics, *late)
 
 
-def _bands(module: Module) -> tuple[dict[str, dict[str, Fraction]], tuple[Diagnostic, ...]]:
+def _bands(module: Module, tolerance: Fraction | None) -> tuple[dict[str, dict[str, Fraction]], tuple[Diagnostic, ...]]:
     """The widths of all decision bands, or why there is no integer program."""
-    from fuzzyspec.lower import LoweringError, lower
+    from fuzzyspec.lower import LoweringError, Options, lower
 
     try:
-        lowered = lower(module)
+        lowered = lower(module, Options(tolerance=tolerance))
     except LoweringError as error:
         return {}, error.diagnostics
     return {name: {b.key: b.width for b in c.bands} for name, c in lowered.certificates.items()}, ()

@@ -7,7 +7,8 @@ import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from fuzzyspec.cli.spec import percent, spec_path
+from fuzzyspec.cli.lowering import add_tolerance
+from fuzzyspec.cli.spec import spec_path
 
 if TYPE_CHECKING:
     from fuzzyspec.api import Spec
@@ -52,13 +53,7 @@ def register(subparsers: Any) -> None:
         help="measure every strategy that a controller can be computed by, and mark those that nothing beats",
     )
     parser.add_argument("--compiler", choices=("gcc", "zig"), help="build with this (default: gcc where it is found)")
-    parser.add_argument(
-        "--tolerance",
-        metavar="PERCENT",
-        type=percent,
-        help="an error of every output that you can live with, in percent of its range: where it can be certified, "
-        "fewer bits are computed",
-    )
+    add_tolerance(parser)
     parser.add_argument("--format", choices=("text", "json"), default="text", help="what is printed")
     parser.set_defaults(run=run)
 

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from fuzzyspec.cli.lowering import add_tolerance
 from fuzzyspec.cli.quantity import quantity
 from fuzzyspec.cli.spec import spec_path
 from fuzzyspec.diagnostics.refusal import Refusal
@@ -29,6 +30,7 @@ def register(subparsers: Any) -> None:
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--controller", metavar="NAME", help="evaluate this controller")
     which.add_argument("--system", metavar="NAME", help="evaluate this system (the default, where there is one)")
+    add_tolerance(parser)
     parser.add_argument("--format", choices=("text", "json"), default="text", help="what is printed")
     parser.set_defaults(run=run)
 
@@ -37,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Evaluate, print."""
     from fuzzyspec import api
 
-    spec = api.load(arguments.file)
+    spec = api.load(arguments.file).within(arguments.tolerance)
     function = _function(spec, arguments)
     found = evaluate(spec, function, arguments.values)
     if arguments.format == "json":

@@ -44,6 +44,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Explain; 1 where the spec has errors, 2 for an unknown code or inputs that do not fit."""
     if re.fullmatch(r"[Ff][Zz]\d+", arguments.subject) and not Path(arguments.subject).exists():
         return _page(arguments.subject.upper(), arguments.values, arguments.format)
+    if not Path(arguments.subject).exists():
+        raise Refusal(
+            f"`{arguments.subject}` is neither a diagnostic code nor a file",
+            "a code is written like FZ301; of a spec, `fuzzyc explain FILE.fz NAME=VALUE ..` tells which rules fire",
+        )
     return _fire(arguments)
 
 

@@ -1,4 +1,4 @@
-"""How a spec is compiled: the options that ``compile`` and ``verify`` share."""
+"""How a spec is compiled: the options that commands share."""
 
 from __future__ import annotations
 
@@ -33,6 +33,11 @@ def add_lowering(parser: argparse.ArgumentParser, *words: str) -> None:
         default="generic",
         help="the machine to choose the strategies for; the C runs on all of them (default: generic)",
     )
+    add_tolerance(parser)
+
+
+def add_tolerance(parser: argparse.ArgumentParser) -> None:
+    """Add the one of them that changes what is computed, for commands that compute and do not compile."""
     parser.add_argument(
         "--tolerance",
         metavar="PERCENT",

@@ -105,6 +105,7 @@ def test_explain_tells_when_nothing_fires(capsys):
         ([NAV, "--controller", "danger", "eta_t"], "no name=value"),
         ([NAV, "--controller", "danger", "eta_t=1", "eta_d=2 m"], "m"),
         (["FZ301", "eta_t=1"], "takes no values"),
+        (["nope"], "neither a diagnostic code nor a file"),
     ],
 )
 def test_explain_refuses_what_it_cannot_mean(arguments, words, capsys):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 from pathlib import Path
 
@@ -62,6 +63,28 @@ def test_a_tolerance_that_nothing_keeps_to_is_refused(tmp_path: Path, capsys: py
     assert main(["compile", str(W3), "--tolerance", "0.001%", "-o", str(tmp_path / "out")]) == 1
     assert "within 0.001 %" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_eval_computes_what_the_c_of_that_tolerance_does(capsys: pytest.CaptureFixture[str]) -> None:
+    """The integers are those of the spec within it, and differ from full precision somewhere."""
+    spec = load(W3)
+    inputs = {"lddc": 0.3, "fddc": 0.45, "rddc": 0.1, "theta": 31.0}
+    given = [f"{name}={value}" for name, value in inputs.items()]
+    found = []
+    for percent in ("0.5", "0.02"):
+        assert main(["eval", str(W3), *given, "--tolerance", percent, "--format", "json"]) == 0
+        outputs = json.loads(capsys.readouterr().out)["outputs"]
+        run = spec.within(percent).fixed("velocity", inputs)
+        assert {k: o["raw"] for k, o in outputs.items()} == {k: int(v[0]) for k, v in run.raws.items()}
+        found.append(outputs)
+    assert found[0] != found[1]
+
+
+def test_check_tells_what_no_program_keeps_to(capsys: pytest.CaptureFixture[str]) -> None:
+    """A spec that is sound by itself is not within a tolerance that cannot be certified."""
+    assert main(["check", str(W3), "--tolerance", "0.5"]) == 0
+    assert main(["check", str(W3), "--tolerance", "0.001"]) == 1
+    assert "FZ452" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("text", ["x", "0", "-1", "1e-3", "", "nan", "0.5 %"])
