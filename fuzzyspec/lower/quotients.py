@@ -55,11 +55,23 @@ def divide(
     if x.error or y.error or numerator_off or divisor_off:
         spread = hi - lo
         worst = x.error + max(abs(lo), abs(hi)) * y.error + numerator_off + divisor_off
-        nearest = y.lo - divisor_off / spread
+        nearest = (
+            max(y.lo, _unsaturated(x, into, numerator_off + abs(lo) * divisor_off / spread)) - divisor_off / spread
+        )
         error += min(spread, worst / nearest) if nearest > 0 else spread
         if 4 * error > spread:
             cause = f"{name}: its divisor comes near 0 while its operands carry an error"
     return Scaled(t, step, lo + half, error, cause)
+
+
+def _unsaturated(x: Scaled, into: tuple[Fraction, Fraction], off: Fraction) -> Fraction:
+    """What a divisor's size is at least where ``x`` by it is not saturated, from exact operands to computed ones."""
+    low, high = x.lo - x.error - off, x.hi + x.error + off
+    if low > 0 and into[1] > 0:
+        return low / into[1]
+    if high < 0 and into[0] < 0:
+        return high / into[0]
+    return Fraction(0)
 
 
 def zero_over_zero(arithmetic: Arithmetic, x: Scaled, y: Scaled, name: str) -> tuple[Test, Fraction]:

@@ -220,13 +220,16 @@ class Arithmetic:
 
     def _extreme(self, values: list[Scaled], name: str, least: bool) -> Scaled:
         same = self.common(values, name)
-        error = max(v.error for v in same)
+        turn = -1 if least else 1
+        surely = max(min(turn * v.lo, turn * v.hi) - v.error for v in same)
+        # Only what can be the extreme, in either meaning, moves it.
+        may = [v for v in same if max(turn * v.lo, turn * v.hi) + v.error >= surely]
         result = self.bind(same[0].expr, name)
         for v in same[1:]:
             other = self.bind(v.expr, name)
             pick = build.least(result, other) if least else build.greatest(result, other)
             result = self.bind(pick, name)
-        return Scaled(result, same[0].step, same[0].offset, error, cause_of(*same))
+        return Scaled(result, same[0].step, same[0].offset, max(v.error for v in may), cause_of(*may))
 
     def absolute(self, a: Scaled, name: str) -> Scaled:
         (whole,) = self.common([a], name)

@@ -88,7 +88,8 @@ class Lowering:
     bands: list[Band] = field(default_factory=list)
     reasons: dict[str, str] = field(default_factory=dict)
     dominants: dict[str, Dominant] = field(default_factory=dict)
-    """What the calls' bounds owe most to, by cause."""
+    owed: dict[str, Dominant] = field(default_factory=dict)
+    """What bounds owe most to: those of calls by cause, those of outputs by name."""
     known: dict[tuple[str, str], Scaled] = field(default_factory=dict)
     element: dict[tuple[str, str], Scaled] | None = None
     folded: dict[int, Scaled] = field(default_factory=dict)
@@ -150,8 +151,7 @@ class Lowering:
             (),
             tuple(self.body),
         )
-        owed = {name: self.dominants[cause] for name, cause in self.reasons.items() if cause in self.dominants}
-        return function, SystemNumbers(errors, self.reasons, tuple(self.bands), owed)
+        return function, SystemNumbers(errors, self.reasons, tuple(self.bands), self.owed)
 
     def bit(self, name: str, meaning: str) -> str:
         if all(b.name != name for b in self.status):
@@ -380,7 +380,10 @@ class Lowering:
         variable = output.variable
         if output.bare is not None:
             raw, error = self.bare[output.bare]
-            self.reasons[output.name] = self.known["call", ".".join(output.bare)].cause
+            cause = self.known["call", ".".join(output.bare)].cause
+            self.reasons[output.name] = cause
+            if cause in self.dominants:
+                self.owed[output.name] = self.dominants[cause]
             self.body.append(SetOutput(output.name, raw))
             errors[output.name] = error
             return port_of(variable)
@@ -393,7 +396,19 @@ class Lowering:
         self.body.append(SetOutput(output.name, placed.raw))
         errors[output.name] = placed.error
         self.reasons[output.name] = placed.cause or "rounding"
+        self.owed[output.name] = self.owes(output, placed.error, value)
         return port_of(variable)
+
+    def owes(self, output: SystemOutput, error: Fraction, value: Scaled) -> Dominant:
+        """What an output's bound owes most to: the call or the quotient that its value's error is from, or rounding."""
+        carried = value.error / abs(output.variable.unit.scale)
+        share = min(100, round(100 * carried / (error or 1)))
+        if 2 * share < 100:
+            return Dominant("anywhere", f"rounding of {output.name} to its raw", 100 - share)
+        known = self.dominants.get(value.cause)
+        if known is not None:
+            return replace(known, percent=known.percent * share // 100)
+        return Dominant("anywhere", value.cause or f"rounding on the way to {output.name}", share)
 
 
 def lower_system(

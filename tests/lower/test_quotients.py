@@ -43,6 +43,18 @@ SYSTEMS = {
         "x in [0, 1]",
         "input y in [-70, 80]",
     ),
+    "an inexact dividend that stays off 0": (
+        STAGE,
+        "clamp((stage(x: x).y * 1 s + 0.5 s) / y otherwise 0, 0, 7)",
+        "x in [0, 1]",
+        "input y in [0, 2] s",
+    ),
+    "an inexact dividend below 0": (
+        STAGE,
+        "clamp((0.5 s - 3 s * stage(x: x).y) / y otherwise 0, -6, 2)",
+        "x in [0, 1]",
+        "input y in [0, 2] s",
+    ),
     "a square over a sum with it": (
         "",
         "x * x / (x * x + 3.3 s^2)",
@@ -72,7 +84,31 @@ def test_quotients_hold_their_bound(name: str) -> None:
     assert bound is None or np.abs(found.outputs["q"] - exact.outputs["q"]).max() <= float(bound)
 
 
+@pytest.mark.parametrize("name", ["an inexact dividend that stays off 0", "an inexact dividend below 0"])
+def test_a_quotient_that_saturates_before_its_divisor_is_0_has_a_bound(name: str) -> None:
+    """Lemma "quotient": near 0 of the divisor both meanings are at the range's end, so errors count elsewhere only."""
+    before, value, first, others = SYSTEMS[name]
+    spec = load(f"module m\n{before}\nsystem s {{\n  input {first}  {others}\n  output q = {value}\n}}\n")
+    found = spec.certificate("s").output("q").percent_of_range
+    assert found is not None
+    assert found < 2
+
+
 def test_a_value_that_falls_knows_its_ends() -> None:
     """With a negative step the low end belongs to the highest integer."""
     value = Scaled(Local("i", "uint16", 3, 10), Fraction(-1, 2), Fraction(7), Fraction(0))
     assert (value.lo, value.hi) == (Fraction(2), Fraction(11, 2))
+
+
+def test_what_cannot_be_the_largest_adds_no_error() -> None:
+    """Of ``max`` only operands count that can be the result: a coarse one far below the others does not."""
+    spec = load(
+        f"module m\n{STAGE}\nsystem s {{ input x in [0, 1]  output q = max(stage(x: x).y, x + 2)"
+        "  output p = min(stage(x: x).y, x - 2)  output r = max(stage(x: x).y, x) }"
+    )
+    found = spec.certificate("s")
+    coarse, fine = found.output("r").percent_of_range, [found.output(o).percent_of_range for o in ("q", "p")]
+    assert coarse is not None
+    for percent in fine:
+        assert percent is not None
+        assert percent * 50 < coarse

@@ -19,6 +19,9 @@ ALONE += ("examples/tipper",)
 MOST = 4
 """A mark of the project: how many times the largest error that is found a controller's certified bound may be."""
 
+MOST_OF_SYSTEMS = 10
+"""The same of a whole system's."""
+
 
 def controllers(name: str) -> list[Subject]:
     """The controllers of a spec, as they are verified."""
@@ -37,6 +40,20 @@ def test_bounds_are_at_most_four_times_what_is_found(name: str) -> None:
                 continue
             assert output.ratio is not None, output.output
             assert 1 <= output.ratio <= MOST, f"{subject.name}.{output.output}: {output.ratio}"
+
+
+@pytest.mark.parametrize(("name", "share"), [("nav", "drive: error of "), ("temperature", "drive: error of error")])
+def test_bounds_of_systems_are_at_most_ten_times_what_is_found(name: str, share: str) -> None:
+    """Of the examples' systems: certified <= 10 times found, never below it, and owed to what the layers carry on."""
+    spec = load(ROOT / "examples" / f"{name}.fz")
+    subject = subjects(spec.module, spec.lowered.program, spec.lowered.certificates)[-1]
+    found = largest_errors(subject, 1, 2_000, Effort(rounds=20, children=1 << 11))
+    for output in found.outputs:
+        if output.output != "acting":
+            assert output.ratio is not None, output.output
+            assert 1 <= output.ratio <= MOST_OF_SYSTEMS, f"{output.output}: {output.ratio}"
+            assert output.dominant is not None
+            assert output.dominant.kernel.startswith(share)
 
 
 def test_a_summit_is_reached() -> None:
