@@ -141,12 +141,16 @@ def cross_compilers() -> tuple[Finding, ...]:
         ("mips-linux-gnu-gcc", "C for MIPS, big-endian", "apt install gcc-mips-linux-gnu"),
     )
     here = "found" if shutil.which("simavr") else None
+    qemu = "found" if all(shutil.which(f"qemu-{name}") for name in ("arm", "riscv32", "mips")) else None
+    emulator = Finding(
+        "qemu-user", "fuzzyc verify --emulator qemu: Cortex-M, RISC-V, MIPS", qemu, "apt install qemu-user", False
+    )
     avr = Finding("simavr", "fuzzyc cost, verify --target: runs AVR, cycle by cycle", here, "apt install simavr", False)
     compilers = (
         Finding(name, use, first_line((name,)) if shutil.which(name) else None, way_out, False)
         for name, use, way_out in listed
     )
-    return (*compilers, avr)
+    return (*compilers, avr, emulator)
 
 
 def first_line(command: tuple[str, ...]) -> str:

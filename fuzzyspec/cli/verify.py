@@ -60,6 +60,11 @@ def register(subparsers: Any) -> None:
     )
     parser.add_argument("--compiler", choices=("gcc", "zig"), help="build for --target with these only (default: all)")
     parser.add_argument(
+        "--emulator",
+        choices=("unicorn", "qemu"),
+        help="what runs Cortex-M, RISC-V and MIPS (default: unicorn, else qemu)",
+    )
+    parser.add_argument(
         "--target-cases",
         metavar="N",
         type=_natural,
@@ -239,8 +244,9 @@ def _found(arguments: argparse.Namespace) -> Machines | None:
 
     if arguments.target:
         levels = arguments.levels or LEVELS
-        return find_machines(arguments.target, levels, arguments.compiler, arguments.target_cases)
-    for option in ("levels", "compiler", "target_cases"):
+        cases, emulator = arguments.target_cases, arguments.emulator
+        return find_machines(arguments.target, levels, arguments.compiler, cases, emulator)
+    for option in ("levels", "compiler", "emulator", "target_cases"):
         if getattr(arguments, option) is not None:
             raise Refusal(f"--{option.replace('_', '-')} is about the builds for --target", "give --target too")
     return None

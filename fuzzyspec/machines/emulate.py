@@ -80,7 +80,7 @@ class Emulation:
             try:
                 found.append(self._batch(function, cases[at : at + _CHUNK], listener))
             except EmulationError as error:
-                raise EmulationError(f"{function}: {error}", at + error.case) from error
+                raise EmulationError(f"{function}: {error}", at + error.case, late=error.late) from error
         return b"".join(found)
 
     def selftest(self) -> int:
@@ -104,7 +104,7 @@ class Emulation:
             self._start(engine, registers, batch_symbol(index), (n, _CASES, _RESULTS))
         except EmulationError as error:
             left = self._word(engine, self.binary.symbols[LEFT])
-            raise EmulationError(str(error), n - left if 0 < left <= n else 0) from error
+            raise EmulationError(str(error), n - left if 0 < left <= n else 0, late=error.late) from error
         if listener is not None:
             listener.finish(_STACK + untouched(engine.mem_read(_STACK, _STACK_SIZE)))
         return bytes(engine.mem_read(_RESULTS, size)) if size else b""
@@ -136,7 +136,7 @@ class Emulation:
             raise EmulationError(f"{error} at {engine.reg_read(registers.pc):#x}") from error
         at = int(engine.reg_read(registers.pc))
         if at & ~1 != _END:
-            raise EmulationError(f"no end after {self._seconds:g} s, at {at:#x}")
+            raise EmulationError(f"no end after {self._seconds:g} s, at {at:#x}", late=True)
 
     def _word(self, engine: Any, address: int) -> int:
         big = self.image.compiler.target.machine == "mips"

@@ -36,10 +36,14 @@ class Sizes:
 
 
 class EmulationError(Exception):
-    """The built code did not come to its end: a fault, or no end at all. ``case``: how many calls had returned."""
+    """The built code did not come to its end: a fault, or no end at all (``late``).
 
-    def __init__(self, message: str, case: int = 0) -> None:
+    ``case``: how many calls had returned.
+    """
+
+    def __init__(self, message: str, case: int = 0, *, late: bool = False) -> None:
         self.case = case
+        self.late = late
         super().__init__(message)
 
 
@@ -79,8 +83,11 @@ class Image:
         flash = binary.size(".own", ".library")
         return Sizes(flash, binary.size(".own"), binary.size(".own_ram", ".ram"))
 
-    def emulated(self, *, selftest: bool = False) -> Path:
-        """All functions with the harness that feeds them (``harness.print_emulated_harness``), linked."""
+    def emulated(self, *, selftest: bool = False, program: tuple[str, str] | None = None) -> Path:
+        """All functions with the harness that feeds them (``harness.print_emulated_harness``), linked.
+
+        ``program``: a function that is where the image begins, and the C that it is in.
+        """
         source = self.write("harness.c", print_emulated_harness(self.program))
         harness, made = self.path / "harness.o", self.path / "image"
         self.compiler.compile(source, harness, "O1", HARNESS)
@@ -89,6 +96,11 @@ class Image:
         if selftest:
             roots.append(self.names.selftest)
             objects.append(self.selftest())
+        if program is not None:
+            main = self.path / "main.o"
+            self.compiler.compile(self.write("main.c", program[1]), main, "O1", HARNESS)
+            roots.insert(0, program[0])
+            objects.append(main)
         self.compiler.link(objects, self.path / "layout.ld", made, roots, (LEFT,))
         return made
 
@@ -131,6 +143,7 @@ def _script(flash: int, ram: int) -> str:
     .harness : {{ *harness.o({_CODE}) }}
     .library : {{ *({_CODE} .trampolines .trampolines.*) }}
     . = {ram:#x};
+    .got : {{ *(.got .got.*) }}
     .own_ram : {{ *own.o({_DATA}) }}
     .ram : {{ *({_DATA}) }}
     /DISCARD/ : {{ *(.ARM.exidx .ARM.exidx.* .ARM.extab .ARM.extab.* .eh_frame .comment .note.*) }}

@@ -88,7 +88,7 @@ def run_simavr(image: Image, name: str, seconds: float) -> list[str]:
         )
     except subprocess.TimeoutExpired as late:
         said = late.stdout.decode(errors="replace") if isinstance(late.stdout, bytes) else ""
-        raise EmulationError(f"simavr came to no end in {seconds:g} s", len(_bare_lines(said))) from late
+        raise EmulationError(f"no end after {seconds:g} s", len(_bare_lines(said)), late=True) from late
     lines = _bare_lines(done.stdout)
     if not lines or not lines[-1].startswith("S"):
         raise EmulationError(f"simavr ended early: {done.stdout[-300:]!r}", len(lines))
@@ -118,7 +118,7 @@ class AvrEmulation:
             for lines in self._feeds[function].lines(cases, self._seconds):
                 results += (bytes.fromhex(line) for line in lines[:-1])
         except EmulationError as error:
-            raise EmulationError(f"{function}: {error}", len(results) + error.case) from error
+            raise EmulationError(f"{function}: {error}", len(results) + error.case, late=error.late) from error
         if len(results) != len(cases) or any(len(r) != result_size(layout) for r in results):
             raise EmulationError(f"{function}: simavr returned {len(results)} results for {len(cases)} cases")
         return decode(layout, b"".join(results), len(cases))

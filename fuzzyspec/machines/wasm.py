@@ -48,7 +48,7 @@ class WasmEmulation:
             try:
                 found.append(self._batch(batch_symbol(index), cases[at : at + _CHUNK], result_size(layout)))
             except EmulationError as error:
-                raise EmulationError(f"{function}: {error}", at + error.case) from error
+                raise EmulationError(f"{function}: {error}", at + error.case, late=error.late) from error
         return decode(layout, b"".join(found), len(cases))
 
     def selftest(self) -> int:
@@ -71,7 +71,7 @@ class WasmEmulation:
         except EmulationError as error:
             at = exports[LEFT].value(store)
             left = int.from_bytes(memory.read(store, at, at + 4), "little")
-            raise EmulationError(str(error), n - left if 0 < left <= n else 0) from error
+            raise EmulationError(str(error), n - left if 0 < left <= n else 0, late=error.late) from error
         return bytes(memory.read(store, start + cases.size, end))
 
     def _instance(self) -> tuple[Any, Any]:
@@ -85,12 +85,13 @@ class WasmEmulation:
         """Call into an instance; the epoch's end stops it where it takes too long."""
         import wasmtime
 
-        late = threading.Timer(self._seconds, self._engine.increment_epoch)
-        late.start()
+        clock = threading.Timer(self._seconds, self._engine.increment_epoch)
+        clock.start()
         try:
             return function(store, *arguments)
         except (wasmtime.Trap, wasmtime.WasmtimeError) as error:
             said = str(error).strip().splitlines()[-1].strip()
-            raise EmulationError(f"no end after {self._seconds:g} s" if "interrupt" in said else said) from error
+            late = "interrupt" in said
+            raise EmulationError(f"no end after {self._seconds:g} s" if late else said, late=late) from error
         finally:
-            late.cancel()
+            clock.cancel()

@@ -79,6 +79,13 @@ class Result:
     state: dict[str, npt.NDArray[np.int64]]
 
 
+def appended(results: list[Result]) -> Result:
+    """One batch's results after another's."""
+    outputs = {k: np.concatenate([r.outputs[k] for r in results]) for k in results[0].outputs}
+    state = {k: np.concatenate([r.state[k] for r in results]) for k in results[0].state}
+    return Result(outputs, np.concatenate([r.status for r in results]), state)
+
+
 @dataclass(frozen=True, slots=True)
 class Packed:
     """N cases as contiguous arrays in a layout's order; ``widths`` is M of each list."""

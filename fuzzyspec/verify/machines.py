@@ -15,7 +15,7 @@ from typing import Protocol
 
 from fuzzyspec.diagnostics.refusal import MissingTool
 from fuzzyspec.fixed.program import Program
-from fuzzyspec.machines.machine import EmulatedMachine, emulator_of, find_emulator
+from fuzzyspec.machines.machine import EmulatedMachine, Emulators, find_emulator
 from fuzzyspec.machines.simavr import DoesNotFit
 from fuzzyspec.machines.toolchains import KINDS, TARGETS, CrossCompiler, Kind, description_of, find_compiler
 from fuzzyspec.native import BuildError, Death, NativeProcess, Toolchain
@@ -39,15 +39,11 @@ SLOW = 5
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """A build and where it runs; ``compiler`` is a plain toolchain for the host."""
+    """A build and where it runs; for the host ``compiler`` is a plain toolchain, and there is no emulator."""
 
     build: Build
     compiler: Toolchain | CrossCompiler
-
-    @property
-    def emulator(self) -> str:
-        """What runs it, empty where this machine does."""
-        return emulator_of(self.compiler) if isinstance(self.compiler, CrossCompiler) else ""
+    emulator: Emulators | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +69,15 @@ class _Machine(Runner, Protocol):
 
 
 def find_machines(
-    targets: Sequence[str], levels: Sequence[str] = LEVELS, kind: Kind | None = None, cases: int | None = None
+    targets: Sequence[str],
+    levels: Sequence[str] = LEVELS,
+    kind: Kind | None = None,
+    cases: int | None = None,
+    emulator: Emulators | None = None,
 ) -> Machines:
     """Every compiler that is here for the targets, at every level; ``kind`` allows only one kind.
+
+    ``emulator``: what runs the images of those targets that it knows.
 
     ``all`` among the targets stands for those whose tools are here; the others are in ``missing``, with what they
     lack. MissingTool where a target that is named has no compiler, or no emulator.
@@ -84,24 +86,26 @@ def find_machines(
     missing: dict[str, str] = {}
     for name in dict.fromkeys(NAMES if "all" in targets else targets):
         try:
-            compilers = _compilers(name, kind)
+            compilers = _compilers(name, kind, emulator)
         except MissingTool as error:
             if name in targets:
                 raise
             missing[name] = str(error)
         else:
-            found += (Way(Build(name, described, level), c) for c, described in compilers for level in levels)
+            found += (Way(Build(name, said, level), c, runs) for c, said, runs in compilers for level in levels)
     return Machines(tuple(found), cases, missing)
 
 
-def _compilers(name: str, kind: Kind | None) -> list[tuple[Toolchain | CrossCompiler, str]]:
-    """Every compiler of a target, with its name and version."""
+def _compilers(
+    name: str, kind: Kind | None, emulator: Emulators | None
+) -> list[tuple[Toolchain | CrossCompiler, str, Emulators | None]]:
+    """Every compiler of a target, with its name and version, and what runs its images."""
     if name == HOST:
         chosen = [t for t in host_toolchains() if kind is None or (t.name == "zig cc") == (kind == "zig")]
         if not chosen:
             raise MissingTool(f"no compiler of the kind {kind} was found for this machine", "leave out --compiler")
-        return [(t, description_of("zig" if t.name == "zig cc" else "gcc", t.command)) for t in chosen]
-    found: list[tuple[Toolchain | CrossCompiler, str]] = []
+        return [(t, description_of("zig" if t.name == "zig cc" else "gcc", t.command), None) for t in chosen]
+    found: list[tuple[Toolchain | CrossCompiler, str, Emulators | None]] = []
     lacking: MissingTool | None = None
     for one in KINDS if kind is None else (kind,):
         try:
@@ -109,8 +113,7 @@ def _compilers(name: str, kind: Kind | None) -> list[tuple[Toolchain | CrossComp
         except MissingTool as error:
             lacking = error if lacking is None else lacking
         else:
-            find_emulator(compiler)
-            found.append((compiler, compiler.description))
+            found.append((compiler, compiler.description, find_emulator(compiler, emulator)))
     if not found:
         find_compiler(TARGETS[name], kind)
         assert lacking is not None
@@ -155,7 +158,7 @@ def _on(
     strict: bool,
 ) -> tuple[MachineFound, list[Failure]]:
     """One build: its self-test, and every function's sample."""
-    record = MachineFound(way.build, way.emulator, None, ())
+    record = MachineFound(way.build, way.emulator or "", None, ())
     failures: list[Failure] = []
     try:
         opened = _opened(way, program, files, strict)
@@ -187,7 +190,7 @@ def _on(
 
 def _opened(way: Way, program: Program, files: Mapping[str, bytes], strict: bool) -> AbstractContextManager[_Machine]:
     if isinstance(way.compiler, CrossCompiler):
-        return EmulatedMachine(program, files, way.compiler, way.build.level)
+        return EmulatedMachine(program, files, way.compiler, way.build.level, emulator=way.emulator)
     return NativeProcess(program, files, way.compiler, level=way.build.level, warnings_are_errors=strict)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from fuzzyspec.fixed.run import Run
 from fuzzyspec.native import Result
+from fuzzyspec.native.layout import appended
 from fuzzyspec.verify.cases import Batch
 from fuzzyspec.verify.example import joined
 from fuzzyspec.verify.points import Raws
@@ -61,19 +62,13 @@ class Sample:
         if not self._kept:
             return
         if len(self._kept) > 1:
-            self._kept = [(joined([b for b, _ in self._kept]), _appended([w for _, w in self._kept]))]
+            self._kept = [(joined([b for b, _ in self._kept]), appended([w for _, w in self._kept]))]
         ((batch, wanted),) = self._kept
         chosen = np.random.default_rng(self.seed).choice(self._held, self.size, replace=False)[::every]
         for start in range(0, len(chosen), PART):
             lanes = chosen[start : start + PART]
             part = Batch(batch.kind, _taken(batch.inputs, lanes), _taken(batch.state, lanes))
             yield part, Result(_taken(wanted.outputs, lanes), wanted.status[lanes], _taken(wanted.state, lanes))
-
-
-def _appended(results: list[Result]) -> Result:
-    outputs = {k: np.concatenate([r.outputs[k] for r in results]) for k in results[0].outputs}
-    state = {k: np.concatenate([r.state[k] for r in results]) for k in results[0].state}
-    return Result(outputs, np.concatenate([r.status for r in results]), state)
 
 
 def _taken(arrays: Mapping[str, Raws], lanes: Raws) -> dict[str, Raws]:
