@@ -18,7 +18,7 @@ ifneq ($(shell "$(PYTHON)" -V 2>&1),$(shell .venv/bin/python -V 2>&1))
 endif
 endif
 
-.PHONY: help demo test lint pytest test-long wheel generated bench fit limits fuzz clean compiler
+.PHONY: help demo test lint pytest test-long wheel generated bench fit limits fuzz prove clean compiler
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -61,6 +61,9 @@ RUNS ?= 1000000
 SEED ?= 1
 fuzz: .venv/for-fuzz ## a million inputs (RUNS, from SEED on) through parser and checker, guided by coverage: an hour
 	@$(BIN)/python -m tests.breaking.fuzz --runs $(RUNS) --seed $(SEED) --jobs 2
+
+prove: .venv/for-test ## prove every C of the examples, workloads and ten random specs free of alarms (Frama-C): an hour
+	@$(BIN)/python -m scripts.prove_all
 
 clean: ## remove what make made, .venv too
 	rm -rf .venv out build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

@@ -78,6 +78,8 @@ def libraries() -> tuple[Finding, ...]:
         ("unicorn", "fuzzyc cost, verify --target: emulates Cortex-M, RISC-V, MIPS", False),
         ("wasmtime", "fuzzyc verify --target: runs WebAssembly", False),
         ("pyelftools", "fuzzyc cost, verify --target: reads what was built", False),
+        ("z3-solver", "fuzzyc prove: lemmas", False),
+        ("bitwuzla", "fuzzyc prove: lemmas", False),
         ("lark", "after a change of grammar/: the parser's table", False),
     )
     return tuple(
@@ -133,7 +135,7 @@ def linkable_sanitizers(toolchain: Toolchain) -> str | None:
 
 
 def cross_compilers() -> tuple[Finding, ...]:
-    """Compilers for boards, and the emulator of AVR: ``cost`` uses them, a user of the generated C may."""
+    """Compilers for boards and the emulator of AVR, which a user of the generated C may use too; the analyser."""
     listed = (
         ("arm-none-eabi-gcc", "C for Cortex-M", "apt install --no-install-recommends gcc-arm-none-eabi"),
         ("avr-gcc", "C for AVR", "apt install gcc-avr avr-libc"),
@@ -146,11 +148,13 @@ def cross_compilers() -> tuple[Finding, ...]:
         "qemu-user", "fuzzyc verify --emulator qemu: Cortex-M, RISC-V, MIPS", qemu, "apt install qemu-user", False
     )
     avr = Finding("simavr", "fuzzyc cost, verify --target: runs AVR, cycle by cycle", here, "apt install simavr", False)
+    here = "found" if shutil.which("frama-c") else None
+    eva = Finding("frama-c", "fuzzyc prove", here, "apt install frama-c-base", False)
     compilers = (
         Finding(name, use, first_line((name,)) if shutil.which(name) else None, way_out, False)
         for name, use, way_out in listed
     )
-    return (*compilers, avr, emulator)
+    return (*compilers, avr, emulator, eva)
 
 
 def first_line(command: tuple[str, ...]) -> str:

@@ -20,7 +20,7 @@ from fuzzyspec.diagnostics.diagnostic import SpecError
 from fuzzyspec.diagnostics.refusal import Refusal
 from fuzzyspec.version import __version__
 
-COMMANDS = ("compile", "check", "verify", "eval", "explain", "cost", "sim", "doctor")
+COMMANDS = ("compile", "check", "verify", "prove", "eval", "explain", "cost", "sim", "doctor")
 """Modules of ``fuzzyspec.cli``, in the order that ``--help`` shows them."""
 
 FINE, FAILED, MISUSED, BUG, INTERRUPTED, UNREAD = 0, 1, 2, 70, 130, 141

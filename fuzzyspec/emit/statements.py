@@ -82,6 +82,35 @@ def print_body(program: Program, function: Function, names: Names) -> Body:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Ranges:
+    """The least and the greatest value of each local of a function, by its name in the C; and of an array's elements,
+    of each assignment in the order in which they stand."""
+
+    locals: Mapping[str, tuple[int, int]]
+    elements: Mapping[str, tuple[tuple[int, int], ...]]
+
+
+def ranges_of(program: Program, function: Function, names: Names) -> Ranges:
+    """What the compiler has derived of a function's locals."""
+    body = prune(function.body)
+    spelled_as = _context(program, function, names, body).spelling.locals
+    locals_: dict[str, tuple[int, int]] = {}
+    elements: dict[str, tuple[tuple[int, int], ...]] = {}
+    for statement in statements(body):
+        match statement:
+            case Define(local) | Assign(local):
+                name = spelled_as[local.name]
+                lo, hi = locals_.get(name, (local.lo, local.hi))
+                locals_[name] = min(lo, local.lo), max(hi, local.hi)
+            case AssignElement():
+                name = spelled_as[statement.array]
+                elements[name] = (*elements.get(name, ()), (statement.value.lo, statement.value.hi))
+            case _:
+                pass
+    return Ranges(locals_, elements)
+
+
 def _context(program: Program, function: Function, names: Names, body: tuple[Stmt, ...]) -> _Context:
     own = names.functions[function.name]
     taken = Scope({"in", "out", "state", "status"} | names.globals | names.macros, capitals=False)
@@ -246,7 +275,7 @@ def _each(statement: Each, depth: int, context: _Context) -> Iterator[str]:
     if _can_overrun(port):
         if statement.body:
             yield from code(f"{ctype} {used} = {given};", depth)
-        yield f"{pad}if ({given} > {capacity}) {{"
+        yield f"{pad}if ({used if statement.body else given} > {capacity}) {{"
         if statement.body:
             yield from code(f"{used} = {capacity};", depth + 1)
         yield from _set_status(own.bits[f"OVERRUN_{port.name.upper()}"], depth + 1, context)

@@ -430,7 +430,7 @@ nav_status_t nav_step(const nav_input_t *in, nav_output_t *out)
     uint32_t max_best_2 = 0U;
     uint32_t max_best_3 = 0U;
     uint8_t obstacles_used = in->obstacles_count;
-    if (in->obstacles_count > NAV_OBSTACLES_MAX) {
+    if (obstacles_used > NAV_OBSTACLES_MAX) {
         obstacles_used = NAV_OBSTACLES_MAX;
         status = (nav_status_t)(status | NAV_OVERRUN_OBSTACLES);
     }
