@@ -201,6 +201,8 @@ def shift_left(left: Expr, count: int) -> Expr:
         raise RangeError("shift of a negative, or by 32 and more")
     if count == 0:
         return left
+    if isinstance(left, Const):
+        return Const(left.value << count)
     return _binary("<<", left, Const(count), left.lo << count, left.hi << count)
 
 

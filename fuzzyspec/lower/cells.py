@@ -39,7 +39,7 @@ def applies(controller: Controller) -> bool:
 
 
 @dataclass
-class _Block:
+class Block:
     """The statements of one block, and the degrees and formulas that it has locals for."""
 
     degrees: list[Degrees]
@@ -58,17 +58,25 @@ class _Block:
             self.known[wanted] = self._computed(wanted, name)
         return self.known[wanted]
 
+    def degree(self, i: int, place: int) -> Local:
+        """Of an input's term at a place among those that are active."""
+        found = self.degrees[i]
+        if found.upper is None:
+            return found.members[place]
+        if place == 1:
+            return found.upper
+        only = Degree(i, (0,))
+        if only not in self.known:
+            self.known[only] = self.bind("rest", build.sub(Const(DEGREE_ONE), found.upper))
+        return self.known[only]
+
     def _computed(self, wanted: Formula, name: str) -> Local:
         match wanted:
             case Degree():
-                upper = self.degrees[wanted.input].upper
-                assert upper is not None
-                if wanted.which == "upper":
-                    return upper
-                if wanted.which == "lower":
-                    return self.bind("rest", build.sub(Const(DEGREE_ONE), upper))
-                rest = self.strength(Degree(wanted.input, "lower"), name)
-                return self.bind("larger", build.greatest(upper, rest))
+                *others, last = (self.degree(wanted.input, place) for place in wanted.which)
+                for other in reversed(others):
+                    last = self.bind("larger", build.greatest(last, other))
+                return last
             case Lower():
                 return self.bind(name, build.least(self.strength(wanted.left, name), self.strength(wanted.right, name)))
             case Higher():
@@ -119,7 +127,7 @@ def _block(
     scope: Scope,
 ) -> list[Stmt]:
     names = [i.terms[k].name + " " + i.terms[k + 1].name for i, k in zip(controller.inputs, lows, strict=True)]
-    block = _Block(degrees, scope)
+    block = Block(degrees, scope)
     block.body.append(Comment("between the peaks of " + ", ".join(names)))
     strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(lows))]
     for o, union in enumerate(unions):

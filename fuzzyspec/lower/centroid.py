@@ -83,17 +83,20 @@ def centroid(
     scope: Scope,
     fires: bool = False,
     precision: Precision = "full",
+    used: frozenset[int] | None = None,
 ) -> tuple[list[Stmt], Expr, list[Table], CentroidNumbers]:
     """Statements, the output's raw, tables and numbers, from the array ``levels`` of clip heights (Q15, a slot a term).
 
+    ``used``: the terms that some rule sets; without it all.
     ``fires``: some term is always reached to 1/2 or more, which keeps the area from 0. Raises TooManySets.
     """
     forms = clipped_sets(output)
     even = even_output(output, precision)
     scale = scale_of(forms) if even is None else even.scale
     name = output.name
-    positive = [f for f in forms if f.sign > 0]
-    negative = [f for f in forms if f.sign < 0]
+    reached = [f for f in forms if used is None or used.issuperset(f.members)]
+    positive = [f for f in reached if f.sign > 0]
+    negative = [f for f in reached if f.sign < 0]
     tables: list[Table] = []
     body: list[Stmt] = [Comment(f"centroid of {name}: area and moment of the union of the clipped terms")]
     sums = declared_sums(output, forms, body, scope)

@@ -20,6 +20,7 @@ from fuzzyspec.fixed.build import RangeError
 from fuzzyspec.fixed.program import Division, Function, Program
 from fuzzyspec.lower.cells import applies as cells_apply
 from fuzzyspec.lower.controller import ControllerNumbers, lower_controller
+from fuzzyspec.lower.kinds import applies as kinds_apply
 from fuzzyspec.lower.levels import applies as levels_apply
 from fuzzyspec.lower.minors import applies as minors_apply
 from fuzzyspec.lower.multilinear import applies as multilinear_applies
@@ -76,12 +77,15 @@ class Candidate:
 
 
 def rules_of(controller: Controller) -> tuple[Rules, ...]:
-    """The ways of firing that a controller's rules allow, loops first."""
-    if multilinear_applies(controller) or not minors_apply(controller):
+    """The ways of firing that a controller's rules allow, loops first; blocks share code where they are many."""
+    if multilinear_applies(controller):
         return ("loops",)
-    levels: tuple[Rules, ...] = () if levels_apply(controller) is None else ("levels",)
     cells: tuple[Rules, ...] = ("cells",) if cells_apply(controller) else ()
-    return ("loops", "minors", *levels, *cells)
+    kinds: tuple[Rules, ...] = ("kinds",) if not cells and kinds_apply(controller) else ()
+    if not minors_apply(controller):
+        return ("loops", *kinds)
+    levels: tuple[Rules, ...] = () if levels_apply(controller) is None else ("levels",)
+    return ("loops", "minors", *levels, *cells, *kinds)
 
 
 def strategies(controller: Controller) -> tuple[Strategy, ...]:

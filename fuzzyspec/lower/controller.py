@@ -30,8 +30,9 @@ from fuzzyspec.fixed.program import (
 from fuzzyspec.lower.average import AverageNumbers, average
 from fuzzyspec.lower.cells import fire_cells
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
-from fuzzyspec.lower.fire import DEGREE_BITS, Firing, fire
+from fuzzyspec.lower.fire import DEGREE_BITS, Firing, fire, reaches_half, used_terms
 from fuzzyspec.lower.fuzzify import Degrees, fuzzify, in_array
+from fuzzyspec.lower.kinds import fire_kinds
 from fuzzyspec.lower.levels import Means, fire_levels
 from fuzzyspec.lower.levels import applies as levels_apply
 from fuzzyspec.lower.lines import DEGREE_ONE
@@ -42,6 +43,7 @@ from fuzzyspec.lower.saturation import saturated
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.lower.slide import slide, slides
 from fuzzyspec.lower.strategy import Precision, Rules, Strategy
+from fuzzyspec.lower.zones import zoned
 from fuzzyspec.model.controller import Controller, Input, Output
 from fuzzyspec.model.variable import Variable
 
@@ -99,6 +101,9 @@ def lower_controller(
     if strategy.rules == "cells" and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
         means = fire_cells(controller, controller.cells, degrees, firing, strategy.division, precision, scope)
+    elif strategy.rules == "kinds":
+        firing = Firing([], DEGREE_BITS, DEGREE_ONE)
+        means = fire_kinds(controller, degrees, firing, strategy.division, precision, scope)
     elif evens is not None and controller.cells is not None:
         firing = Firing([], DEGREE_BITS, DEGREE_ONE)
         means = fire_levels(controller, controller.cells, evens, degrees, firing, strategy.division, scope)
@@ -120,8 +125,9 @@ def lower_controller(
             steps, raw, mean_numbers = means[o]
             numbers.append(mean_numbers)
         elif controller.infer.defuzzify == "centroid":
+            fires, used = reaches_half(controller, o), used_terms(controller, o)
             steps, raw, more, found_numbers = centroid(
-                output, firing.levels[o], strategy.division, scope, _reaches_half(controller, o), precision
+                output, firing.levels[o], strategy.division, scope, fires, precision, used
             )
             tables += more
             numbers.append(found_numbers)
@@ -155,18 +161,6 @@ def lower_controller(
     )
 
 
-def _reaches_half(controller: Controller, output: int) -> bool:
-    """Whether some term of an output always has a level of 1/2: of its cell of larger degrees, each at least 1/2."""
-    cells = controller.cells
-    return (
-        cells is not None
-        and not controller.sentences
-        and (controller.infer.and_, controller.infer.aggregate) == ("min", "max")
-        and all(i.peaks is not None and len(i.peaks) > 1 for i in controller.inputs)
-        and -1 not in cells.consequents[output]
-    )
-
-
 def _degrees(item: Input, dense: bool, rules: Rules, bit: str, scope: Scope) -> tuple[list[Stmt], Degrees, list[Stmt]]:
     """An input's degrees, and statements that later tell of its saturation."""
     bare = rules != "loops"
@@ -180,7 +174,11 @@ def _degrees(item: Input, dense: bool, rules: Rules, bit: str, scope: Scope) -> 
     variable = item.variable
     given = ReadPort(variable.name, variable.raw.ctype, *build.LIMITS[variable.raw.ctype])
     steps, raw, told = saturated(variable, given, variable.name, bit, scope, rules == "levels")
-    more, found = fuzzify(item, raw, scope, dense, bare)
+    strong = item.peaks is not None and len(item.peaks) > 1
+    if rules == "kinds" and not strong:
+        more, found = zoned(item, raw, scope)
+    else:
+        more, found = fuzzify(item, raw, scope, dense, bare)
     return steps + more, found, told
 
 

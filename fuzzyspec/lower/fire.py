@@ -113,6 +113,25 @@ def _has_holes(controller: Controller, output: int) -> bool:
     return controller.cells is not None and -1 in controller.cells.consequents[output]
 
 
+def reaches_half(controller: Controller, output: int) -> bool:
+    """Whether some term of an output always has a level of 1/2: of its cell of larger degrees, each at least 1/2."""
+    cells = controller.cells
+    return (
+        cells is not None
+        and not controller.sentences
+        and (controller.infer.and_, controller.infer.aggregate) == ("min", "max")
+        and all(i.peaks is not None and len(i.peaks) > 1 for i in controller.inputs)
+        and -1 not in cells.consequents[output]
+    )
+
+
+def used_terms(controller: Controller, output: int) -> frozenset[int]:
+    """The terms of an output that some rule sets."""
+    cells = () if controller.cells is None else controller.cells.consequents[output]
+    named = {t for rule in controller.sentences for o, t in rule.consequents if o == output}
+    return frozenset(named | set(cells) - {-1})
+
+
 # --- cells -----------------------------------------------------------------------------------
 
 

@@ -42,6 +42,8 @@ class Degrees:
     partition, else
     a slot a term and 0. ``upper`` is the local with the upper term's degree where the two are kept without an array
     (firing by minors then reads it). ``error`` bounds every degree's error, in degrees [0, 1].
+    Where terms are not a strong partition and are fuzzified by zones (``lower.zones``), ``first`` says which of
+    ``groups`` of terms can be active, and the locals ``members`` hold the degrees of the terms in it, in their order.
     """
 
     array: str
@@ -49,6 +51,8 @@ class Degrees:
     first: Expr
     error: Fraction
     upper: Local | None = None
+    groups: tuple[tuple[int, ...], ...] = ()
+    members: tuple[Local, ...] = ()
 
     def slot(self, index: Expr) -> Element:
         return Element(self.array, "uint16", index, 0, DEGREE_ONE, False)

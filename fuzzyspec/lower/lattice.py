@@ -1,7 +1,8 @@
 """The strength of a term inside one block of cells, as few minima and maxima of degrees as are found.
 
-Between two neighbouring peaks of every input only the 2**n cells of the active terms can fire. Which of them name a
-term is known when compiling, so its strength, the largest of the cells' smallest degrees, is one formula.
+Between two neighbouring peaks of every input (or wherever else it is known which terms are active) few cells can fire.
+Which of them name a term is known when compiling, so its strength, the largest of the cells' smallest degrees, is one
+formula.
 """
 
 from __future__ import annotations
@@ -10,15 +11,15 @@ from dataclasses import dataclass
 from functools import cache
 
 Cells = frozenset[tuple[int, ...]]
-"""Cells of a block that name one term: by input, 1 where the upper of its active terms stands, else 0."""
+"""Cells of a block that name one term: by input, the place of its term among those that may be active in the block."""
 
 
 @dataclass(frozen=True, slots=True)
 class Degree:
-    """One of an input's two degrees: of the upper term, of the lower one, or the larger of them."""
+    """The largest degree of some of an input's active terms, by their places (one or more, rising)."""
 
     input: int
-    which: str
+    which: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,21 +60,25 @@ def _simplified(cells: frozenset[Part], inputs: frozenset[int]) -> Formula | Non
     candidates: list[Formula] = []
     for i in sorted(inputs):
         rest = inputs - {i}
-        low = frozenset(c - {(i, 0)} for c in cells if (i, 0) in c)
-        high = frozenset(c - {(i, 1)} for c in cells if (i, 1) in c)
-        both = low & high
-        if low == high:
-            candidates.append(_within(Degree(i, "larger"), _simplified(low, rest)))
-            continue
-        sides = [(Degree(i, "lower"), low), (Degree(i, "upper"), high)]
-        parts = [_within(d, _simplified(side, rest)) for d, side in sides if side]
-        candidates.append(_either(parts))
-        if both:
-            # What both sides have does not ask which side it is.
-            shared = _within(Degree(i, "larger"), _simplified(both, rest))
-            own = [_within(d, _simplified(side - both, rest)) for d, side in sides if side - both]
+        sides: dict[int, frozenset[Part]] = {}
+        for place in sorted({at for c in cells for j, at in c if j == i}):
+            sides[place] = frozenset(c - {(i, place)} for c in cells if (i, place) in c)
+        candidates.append(_either(_parts(i, sides, rest)))
+        both = frozenset.intersection(*sides.values())
+        if both and len(set(sides.values())) > 1:
+            # What all sides have does not ask which side it is.
+            shared = _within(Degree(i, tuple(sides)), _simplified(both, rest))
+            own = _parts(i, {place: side - both for place, side in sides.items() if side - both}, rest)
             candidates.append(_either([shared, *own]))
     return min(candidates, key=cost)
+
+
+def _parts(i: int, sides: dict[int, frozenset[Part]], rest: frozenset[int]) -> list[Formula]:
+    """A formula for each side; places with the same one share it."""
+    places: dict[frozenset[Part], tuple[int, ...]] = {}
+    for place, side in sides.items():
+        places[side] = (*places.get(side, ()), place)
+    return [_within(Degree(i, at), _simplified(side, rest)) for side, at in places.items()]
 
 
 def _within(degree: Degree, rest: Formula | None) -> Formula:
@@ -88,9 +93,9 @@ def _either(parts: list[Formula]) -> Formula:
 
 
 def cost(found: Formula) -> int:
-    """Minima and maxima in it; the larger of two degrees is one too."""
+    """Minima and maxima in it; those that the largest of some degrees takes too."""
     match found:
         case Degree():
-            return int(found.which == "larger")
+            return len(found.which) - 1
         case Lower() | Higher():
             return 1 + cost(found.left) + cost(found.right)

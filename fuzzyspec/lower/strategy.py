@@ -11,10 +11,10 @@ Goal = Literal["speed", "balanced", "size"]
 """What the strategies are chosen for."""
 Target = Literal["generic", "cortex-m0plus", "cortex-m4", "cortex-m7", "rv32imc", "avr"]
 """The machine that they are chosen for."""
-Rules = Literal["loops", "minors", "levels", "cells"]
+Rules = Literal["loops", "minors", "levels", "cells", "kinds"]
 """Firing: every active cell in loops (any rule base); cells written out, strongest first, by sorted minors; the same
-with sets of terms as bits and one square a strength, where the outputs are even; or, for few cells, code of its own for
-every block of cells between neighbouring peaks."""
+with sets of terms as bits and one square a strength, where the outputs are even; for few cells, code of its own for
+every block of cells between neighbouring peaks; or, for few kinds of blocks, for every kind, with any terms."""
 Interpolation = Literal["loops", "written", "packed"]
 """Product and singletons over strong partitions: interpolations in loops over the corners, written out, or written out
 with two outputs in the halves of a word."""

@@ -21,29 +21,75 @@ from fuzzyspec.model.controller import Output
 
 @dataclass
 class Union:
-    """An output's sums: area and moment, and of an output that is not even what is taken off both."""
+    """An output's sums: area and moment, and of an output that is not even what is taken off both.
+
+    ``alone``: only one term can exceed 1/2, for the inputs are strong partitions.
+    """
 
     output: Output
     even: EvenOutput | None
     forms: tuple[ClippedSet, ...]
     sums: dict[str, Local]
+    alone: bool
 
     @staticmethod
-    def of(output: Output, precision: Precision, body: list[Stmt], scope: Scope) -> Union:
+    def of(output: Output, precision: Precision, body: list[Stmt], scope: Scope, alone: bool = True) -> Union:
         """Append the statements that declare the sums. Raises TooManySets."""
         even, forms = even_output(output, precision), clipped_sets(output)
         if even is None:
-            return Union(output, None, forms, declared_sums(output, forms, body, scope))
+            return Union(output, None, forms, declared_sums(output, forms, body, scope), alone)
         tops = {"area": even.domain << even.bits.area, "moment": build.UINT32_MAX}
         sums = {n: Local(scope.name(f"{output.name}_{n}"), "uint32", 0, hi) for n, hi in tops.items()}
         body += [Define(s, Const(0), False) for s in sums.values()]
-        return Union(output, even, forms, sums)
+        return Union(output, even, forms, sums, alone)
 
     def at(self, heights: dict[int, Local], scope: Scope) -> list[Stmt]:
         """Set the sums where the terms that may fire are clipped at these heights."""
         if self.even is not None:
-            return _even(self.output, self.even, heights, self.sums, scope)
+            return _even(self.output, self.even, heights, self.sums, self.alone, scope)
         return _any(self.output, self.forms, heights, self.sums, scope)
+
+    def shifted(self, heights: dict[int, Local], lowest: int, place: Expr, scope: Scope) -> list[Stmt]:
+        """The same for terms of an even output, no half triangle among them, of which the lowest lies at ``place``:
+        moments are taken about that. Code for ``heights`` as they are here serves all terms as far apart."""
+        assert self.even is not None
+        area, moment = self.sums["area"], self.sums["moment"]
+        about = build.mul(area, place)
+        about = build.capped(about, build.UINT32_MAX)
+        steps = _even(self.output, self.even, heights, self.sums, self.alone, scope, self.even.peaks[lowest])
+        return [*steps, Assign(moment, build.add_bounded(moment, about, moment.hi))]
+
+    def declared(self, used: frozenset[int], body: list[Stmt], scope: Scope) -> dict[int, Local]:
+        """Append the statements that declare a level of 0 for the terms that are used, if the output is not even."""
+        if self.even is not None:
+            return {}
+        names = {k: f"{self.output.name}_{self.output.terms[k].name}" for k in sorted(used)}
+        levels = {k: Local(scope.name(name), "uint16", 0, DEGREE_ONE) for k, name in names.items()}
+        body += [Define(level, Const(0), False) for level in levels.values()]
+        return levels
+
+    def summed(self, levels: dict[int, Local], scope: Scope) -> list[Stmt]:
+        """Add up the sums from declared levels: a set of terms is asked for only where all of them are reached."""
+        return [s for form in self.forms if len(form.members) == 1 for s in self._nested(form, levels, None, scope)]
+
+    def _nested(self, form: ClippedSet, levels: dict[int, Local], low: Local | None, scope: Scope) -> list[Stmt]:
+        if not set(form.members) <= set(levels):
+            return []
+        name = f"{self.output.name}_" + "_".join(self.output.terms[k].name for k in form.members)
+        own = levels[form.members[-1]]
+        inner: list[Stmt] = []
+        height = own
+        if low is not None:
+            value = build.least(low, own)
+            height = build.local(scope.name(name), value)
+            inner.append(Define(height, value, True))
+        steps, parts = _parts(form, self.forms, height, scope, name)
+        inner += steps
+        inner += [Assign(self.sums[n], build.add_bounded(self.sums[n], v, build.UINT32_MAX)) for n, v in parts]
+        for other in self.forms:
+            if other.members[:-1] == form.members:
+                inner += self._nested(other, levels, height, scope)
+        return [Branch(build.compare(">", own, Const(0)), tuple(inner))]
 
     def mean(self, division: Division, fires: bool, scope: Scope) -> tuple[list[Stmt], Expr, CentroidNumbers]:
         """The raw; ``fires``: some height is at least 1/2."""
@@ -96,8 +142,15 @@ MOST_BRANCHES = 2
 
 
 def _even(
-    output: Output, even: EvenOutput, heights: dict[int, Local], sums: dict[str, Local], scope: Scope
+    output: Output,
+    even: EvenOutput,
+    heights: dict[int, Local],
+    sums: dict[str, Local],
+    alone: bool,
+    scope: Scope,
+    about: int = 0,
 ) -> list[Stmt]:
+    """Set area and moment, the moment about a place that leaves it no less than 0."""
     body: list[Stmt] = []
     bits = even.bits
     pairs = [k for k in even.met if k in heights and k + 1 in heights]
@@ -123,28 +176,34 @@ def _even(
         """The rest, where the lower height of the first pairs, and its square, are known."""
         if len(lower) < len(pairs):
             k = pairs[len(lower)]
-            if len(pairs) > MOST_BRANCHES:
+            if len(pairs) > MOST_BRANCHES or not alone:
                 name = f"{output.name}_both"
-                # Only one term can exceed 1/2: the one that the larger degrees' cell names.
-                value = build.capped(build.least(heights[k], heights[k + 1]), DEGREE_ONE // 2)
+                value = build.least(heights[k], heights[k + 1])
+                # If only one term can exceed 1/2 it is the one that the larger degrees' cell names.
+                value = build.capped(value, DEGREE_ONE // 2) if alone else value
                 least = build.local(scope.name(name), value)
+                steps: list[Stmt] = [Define(least, value, True)]
+                if not alone:
+                    value = build.least(least, Const(DEGREE_ONE // 2))
+                    least = build.local(scope.name(name), value)
+                    steps.append(Define(least, value, True))
                 squared = square(least, bits, name, scope)
-                return [Define(least, value, True), squared, *settled({**lower, k: (least, squared.local)})]
+                return [*steps, squared, *settled({**lower, k: (least, squared.local)})]
             sides = [settled({**lower, k: (heights[j], squares[j])}) for j in (k, k + 1)]
             return [Branch(build.compare("<", heights[k], heights[k + 1]), tuple(sides[0]), tuple(sides[1]))]
         area, moment = _Linear(bits), _Linear(bits)
         for k, height in heights.items():
             if k in parts:
                 area.rest[parts[k]] = even.counts[k]
-                moment.rest[parts[k]] = even.counts[k] * even.peaks[k]
+                moment.rest[parts[k]] = even.counts[k] * (even.peaks[k] - about)
                 continue
             area.add(even.counts[k], height, squares[k], 1)
-            moment.add(even.counts[k] * even.peaks[k], height, squares[k], 1)
+            moment.add(even.counts[k] * (even.peaks[k] - about), height, squares[k], 1)
             if even.ends[k]:
                 moment.add(even.ends[k], height, squares[k], 2, cubes[k])
         for k, (height, squared_) in lower.items():
             area.add(-1, height, squared_, 2)
-            moment.add(-even.peaks[k] - 1, height, squared_, 2)
+            moment.add(about - even.peaks[k] - 1, height, squared_, 2)
         return [Assign(s, linear.expr(s.hi)) for s, linear in ((sums["area"], area), (sums["moment"], moment))]
 
     return body + settled({})
@@ -154,7 +213,6 @@ def _any(
     output: Output, forms: tuple[ClippedSet, ...], heights: dict[int, Local], sums: dict[str, Local], scope: Scope
 ) -> list[Stmt]:
     """Inclusion-exclusion over the sets of these terms that overlap."""
-    scale = scale_of(forms)
     body: list[Stmt] = []
     lows: dict[tuple[int, ...], Local] = {(k,): h for k, h in heights.items()}
     totals: dict[str, Expr] = dict.fromkeys(sums, Const(0))
@@ -170,14 +228,25 @@ def _any(
             value = build.least(lows[form.members[:-1]], heights[form.members[-1]])
             lows[form.members] = build.local(scope.name(name), value)
             body.append(Define(lows[form.members], value, True))
-        found = evaluate(form, scale, lows[form.members], scope, name)
-        body += found.steps
-        down = form.sign < 0
-        add("overlap" if down else "area", found.area)
-        weight = weight_of(form, scale)
-        if weight:
-            part = build.mul(found.area, Const(weight)) if scale.exact else build.mul_high(found.area, Const(weight))
-            add("moment_off" if down else "moment", part)
-        if found.moment is not None:
-            add("moment" if form.sign * form.moment_sign > 0 else "moment_off", found.moment)
+        steps, parts = _parts(form, forms, lows[form.members], scope, name)
+        body += steps
+        for into, value in parts:
+            add(into, value)
     return body + [Assign(local, totals[name]) for name, local in sums.items()]
+
+
+def _parts(
+    form: ClippedSet, forms: tuple[ClippedSet, ...], height: Local, scope: Scope, name: str
+) -> tuple[list[Stmt], list[tuple[str, Expr]]]:
+    """What a set adds to which of the sums, with statements before."""
+    scale = scale_of(forms)
+    found = evaluate(form, scale, height, scope, name)
+    down = form.sign < 0
+    parts: list[tuple[str, Expr]] = [("overlap" if down else "area", found.area)]
+    weight = weight_of(form, scale)
+    if weight:
+        part = build.mul(found.area, Const(weight)) if scale.exact else build.mul_high(found.area, Const(weight))
+        parts.append(("moment_off" if down else "moment", part))
+    if found.moment is not None:
+        parts.append(("moment" if form.sign * form.moment_sign > 0 else "moment_off", found.moment))
+    return found.steps, parts

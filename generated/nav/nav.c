@@ -90,15 +90,13 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
             const uint32_t ddc_M_square_4 = (ddc_M_6 * ddc_M_6) >> 8U;
             const uint32_t ddc_B_square_3 = (ddc_B_5 * ddc_B_5) >> 8U;
             if (ddc_M_6 < ddc_B_5) {
-                ddc_area = ((ddc_M_6 + (ddc_B_5 * 2U)) << 8U)
-                    - (((uint32_t)0U << 8U) + (ddc_B_square_3 * 2U));
+                ddc_area = ((ddc_M_6 + (ddc_B_5 * 2U)) << 8U) - (ddc_B_square_3 * 2U);
                 ddc_moment = ((ddc_M_6 + (ddc_B_5 * 8U)) << 8U) + (ddc_M_square_4 * 2U)
-                    - (((uint32_t)0U << 8U) + (ddc_B_square_3 * 8U));
+                    - (ddc_B_square_3 * 8U);
             } else {
-                ddc_area = (((ddc_M_6 * 2U) + ddc_B_5) << 8U)
-                    - (((uint32_t)0U << 8U) + (ddc_M_square_4 * 2U));
+                ddc_area = (((ddc_M_6 * 2U) + ddc_B_5) << 8U) - (ddc_M_square_4 * 2U);
                 ddc_moment = (((ddc_M_6 * 4U) + (ddc_B_5 * 5U)) << 8U)
-                    - (((uint32_t)0U << 8U) + ((ddc_M_square_4 * 4U) + (ddc_B_square_3 * 2U)));
+                    - ((ddc_M_square_4 * 4U) + (ddc_B_square_3 * 2U));
             }
         } else {
             /* between the peaks of TS TM, DM DB */
@@ -110,15 +108,13 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
             const uint32_t ddc_M_square_3 = (ddc_M_5 * ddc_M_5) >> 8U;
             const uint32_t ddc_B_square_2 = (ddc_B_2 * ddc_B_2) >> 8U;
             if (ddc_M_5 < ddc_B_2) {
-                ddc_area = ((ddc_M_5 + (ddc_B_2 * 2U)) << 8U)
-                    - (((uint32_t)0U << 8U) + (ddc_B_square_2 * 2U));
+                ddc_area = ((ddc_M_5 + (ddc_B_2 * 2U)) << 8U) - (ddc_B_square_2 * 2U);
                 ddc_moment = ((ddc_M_5 + (ddc_B_2 * 8U)) << 8U) + (ddc_M_square_3 * 2U)
-                    - (((uint32_t)0U << 8U) + (ddc_B_square_2 * 8U));
+                    - (ddc_B_square_2 * 8U);
             } else {
-                ddc_area = (((ddc_M_5 * 2U) + ddc_B_2) << 8U)
-                    - (((uint32_t)0U << 8U) + (ddc_M_square_3 * 2U));
+                ddc_area = (((ddc_M_5 * 2U) + ddc_B_2) << 8U) - (ddc_M_square_3 * 2U);
                 ddc_moment = (((ddc_M_5 * 4U) + (ddc_B_2 * 5U)) << 8U)
-                    - (((uint32_t)0U << 8U) + ((ddc_M_square_3 * 4U) + (ddc_B_square_2 * 2U)));
+                    - ((ddc_M_square_3 * 4U) + (ddc_B_square_2 * 2U));
             }
         }
     } else if (eta_d_term == 0U) {
@@ -131,15 +127,13 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         const uint32_t ddc_M_square_2 = (ddc_M_4 * ddc_M_4) >> 8U;
         const uint32_t ddc_B_square = (ddc_B * ddc_B) >> 8U;
         if (ddc_M_4 < ddc_B) {
-            ddc_area = ((ddc_M_4 + (ddc_B * 2U)) << 8U)
-                - (((uint32_t)0U << 8U) + (ddc_B_square * 2U));
+            ddc_area = ((ddc_M_4 + (ddc_B * 2U)) << 8U) - (ddc_B_square * 2U);
             ddc_moment = ((ddc_M_4 + (ddc_B * 8U)) << 8U) + (ddc_M_square_2 * 2U)
-                - (((uint32_t)0U << 8U) + (ddc_B_square * 8U));
+                - (ddc_B_square * 8U);
         } else {
-            ddc_area = (((ddc_M_4 * 2U) + ddc_B) << 8U)
-                - (((uint32_t)0U << 8U) + (ddc_M_square_2 * 2U));
+            ddc_area = (((ddc_M_4 * 2U) + ddc_B) << 8U) - (ddc_M_square_2 * 2U);
             ddc_moment = (((ddc_M_4 * 4U) + (ddc_B * 5U)) << 8U)
-                - (((uint32_t)0U << 8U) + ((ddc_M_square_2 * 4U) + (ddc_B_square * 2U)));
+                - ((ddc_M_square_2 * 4U) + (ddc_B_square * 2U));
         }
     } else {
         /* between the peaks of TM TB, DM DB */
@@ -153,14 +147,12 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
         const uint32_t ddc_S_square = (ddc_S * ddc_S) >> 8U;
         const uint32_t ddc_M_square = (ddc_M_3 * ddc_M_3) >> 8U;
         if (ddc_S < ddc_M_3) {
-            ddc_area = ((ddc_S + (ddc_M_3 * 2U)) << 8U)
-                - (((uint32_t)0U << 8U) + (ddc_M_square * 2U));
+            ddc_area = ((ddc_S + (ddc_M_3 * 2U)) << 8U) - (ddc_M_square * 2U);
             ddc_moment = ((ddc_M_3 * 4U) << 8U) + (ddc_S_square * 2U)
                 - ((ddc_S << 8U) + (ddc_M_square * 4U));
         } else {
-            ddc_area = (((ddc_S * 2U) + ddc_M_3) << 8U)
-                - (((uint32_t)0U << 8U) + (ddc_S_square * 2U));
-            ddc_moment = ((ddc_M_3 * 3U) << 8U) - (((uint32_t)0U << 8U) + (ddc_M_square * 2U));
+            ddc_area = (((ddc_S * 2U) + ddc_M_3) << 8U) - (ddc_S_square * 2U);
+            ddc_moment = ((ddc_M_3 * 3U) << 8U) - (ddc_M_square * 2U);
         }
     }
 

@@ -168,30 +168,29 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
         uint32_t duty_moment_off = 0U;
         const uint32_t duty_h = duty_level[0U];
         if (duty_h > 0U) {
-            const uint32_t duty_width = 49152U - (((duty_h * 3U) + 2U) >> 2U);
-            const uint32_t duty_part = ((duty_h * duty_width) + 2048U) >> 12U;
-            const uint32_t duty_moment_slope = 36864U - (((duty_h * 3U) + 4U) >> 3U);
-            const uint32_t duty_moment_width = 36864U
-                - (((duty_h * duty_moment_slope) + 16384U) >> 15U);
-            const uint32_t duty_turn = ((duty_h * duty_moment_width) + 1024U) >> 11U;
+            const uint32_t duty_width = (196609U - (duty_h * 3U)) >> 2U;
+            const uint32_t duty_part = (duty_h * duty_width) >> 12U;
+            const uint32_t duty_moment_slope = (294915U - (duty_h * 3U)) >> 3U;
+            const uint32_t duty_moment_width = (1207975935U - (duty_h * duty_moment_slope)) >> 15U;
+            const uint32_t duty_turn = (duty_h * duty_moment_width) >> 11U;
             duty_area = duty_area + duty_part;
             duty_moment = duty_moment + duty_turn;
         }
         const uint32_t duty_h_2 = duty_level[1U];
         if (duty_h_2 > 0U) {
-            const uint32_t duty_width_2 = 49152U - ((duty_h_2 + 1U) >> 1U);
-            const uint32_t duty_part_2 = ((duty_h_2 * duty_width_2) + 1024U) >> 11U;
+            const uint32_t duty_width_2 = (98304U - duty_h_2) >> 1U;
+            const uint32_t duty_part_2 = (duty_h_2 * duty_width_2) >> 11U;
             duty_area = duty_area + duty_part_2;
             duty_moment = duty_moment + (duty_part_2 * 5U);
         }
         const uint32_t duty_h_3 = duty_level[2U];
         if (duty_h_3 > 0U) {
-            const uint32_t duty_width_3 = 65536U - (((duty_h_3 * 3U) + 2U) >> 2U);
-            const uint32_t duty_part_3 = ((duty_h_3 * duty_width_3) + 2048U) >> 12U;
-            const uint32_t duty_moment_slope_2 = 49152U - (((duty_h_3 * 3U) + 4U) >> 3U);
-            const uint32_t duty_moment_width_2 = 65536U
-                - (((duty_h_3 * duty_moment_slope_2) + 16384U) >> 15U);
-            const uint32_t duty_turn_2 = ((duty_h_3 * duty_moment_width_2) + 1024U) >> 11U;
+            const uint32_t duty_width_3 = (262145U - (duty_h_3 * 3U)) >> 2U;
+            const uint32_t duty_part_3 = (duty_h_3 * duty_width_3) >> 12U;
+            const uint32_t duty_moment_slope_2 = (393219U - (duty_h_3 * 3U)) >> 3U;
+            const uint32_t duty_moment_width_2 = (2147500031U - (duty_h_3 * duty_moment_slope_2))
+                >> 15U;
+            const uint32_t duty_turn_2 = (duty_h_3 * duty_moment_width_2) >> 11U;
             duty_area = duty_area + duty_part_3;
             duty_moment = duty_moment + (duty_part_3 * 10U);
             duty_moment_off = duty_moment_off + duty_turn_2;
@@ -204,11 +203,11 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
         if (duty_h_4 > 0U) {
             const uint32_t duty_c = (duty_h_4 < 6553U) ? duty_h_4 : 6553U;
             const uint32_t duty_width_4 = 65536U - (duty_c * 5U);
-            const uint32_t duty_part_4 = ((duty_c * duty_width_4) + 8192U) >> 14U;
-            const uint32_t duty_moment_slope_3 = 49152U - (((duty_c * 27307U) + 16384U) >> 15U);
-            const uint32_t duty_moment_width_3 = 65536U
-                - (((duty_c * duty_moment_slope_3) + 4096U) >> 13U);
-            const uint32_t duty_turn_3 = ((duty_c * duty_moment_width_3) + 16384U) >> 15U;
+            const uint32_t duty_part_4 = (duty_c * duty_width_4) >> 14U;
+            const uint32_t duty_moment_slope_3 = (1610629119U - (duty_c * 27307U)) >> 15U;
+            const uint32_t duty_moment_width_3 = (536875007U - (duty_c * duty_moment_slope_3))
+                >> 13U;
+            const uint32_t duty_turn_3 = (duty_c * duty_moment_width_3) >> 15U;
             duty_overlap = duty_overlap + duty_part_4;
             duty_moment_off = duty_moment_off + (duty_part_4 * 2U);
             duty_moment_off = duty_moment_off + duty_turn_3;
@@ -220,12 +219,12 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
         }
         if (duty_h_6 > 0U) {
             const uint32_t duty_c_2 = (duty_h_6 < 13107U) ? duty_h_6 : 13107U;
-            const uint32_t duty_width_5 = 65536U - (((duty_c_2 * 5U) + 1U) >> 1U);
-            const uint32_t duty_part_5 = ((duty_c_2 * duty_width_5) + 4096U) >> 13U;
-            const uint32_t duty_moment_slope_4 = (((duty_c_2 * 13653U) + 16384U) >> 15U) + 32768U;
-            const uint32_t duty_moment_width_4 = 65536U
-                - (((duty_c_2 * duty_moment_slope_4) + 8192U) >> 14U);
-            const uint32_t duty_turn_4 = ((duty_c_2 * duty_moment_width_4) + 4096U) >> 13U;
+            const uint32_t duty_width_5 = (131072U - (duty_c_2 * 5U)) >> 1U;
+            const uint32_t duty_part_5 = (duty_c_2 * duty_width_5) >> 13U;
+            const uint32_t duty_moment_slope_4 = ((duty_c_2 * 13653U) + 1073758208U) >> 15U;
+            const uint32_t duty_moment_width_4 = (1073750015U - (duty_c_2 * duty_moment_slope_4))
+                >> 14U;
+            const uint32_t duty_turn_4 = (duty_c_2 * duty_moment_width_4) >> 13U;
             duty_overlap = duty_overlap + duty_part_5;
             duty_moment_off = duty_moment_off + (duty_part_5 * 6U);
             duty_moment_off = duty_moment_off + duty_turn_4;
