@@ -31,7 +31,7 @@ from fuzzyspec.lower.average import AverageNumbers, average
 from fuzzyspec.lower.cells import fire_cells
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
 from fuzzyspec.lower.fire import DEGREE_BITS, Firing, fire, reaches_half, used_terms
-from fuzzyspec.lower.fuzzify import Degrees, fuzzify, in_array
+from fuzzyspec.lower.fuzzify import Degrees, Reading, fuzzify, in_array
 from fuzzyspec.lower.kinds import fire_kinds
 from fuzzyspec.lower.levels import Means, fire_levels
 from fuzzyspec.lower.levels import applies as levels_apply
@@ -173,12 +173,18 @@ def _degrees(item: Input, dense: bool, rules: Rules, bit: str, scope: Scope) -> 
         return (body, found, []) if bare else (*in_array(item, body, found, scope), [])
     variable = item.variable
     given = ReadPort(variable.name, variable.raw.ctype, *build.LIMITS[variable.raw.ctype])
-    steps, raw, told = saturated(variable, given, variable.name, bit, scope, rules == "levels")
     strong = item.peaks is not None and len(item.peaks) > 1
-    if rules == "kinds" and not strong:
-        more, found = zoned(item, raw, scope)
-    else:
-        more, found = fuzzify(item, raw, scope, dense, bare)
+    if rules != "levels" and (strong or rules == "kinds"):
+        # Where a raw has led to the terms at an end of the range it may be outside: nowhere else is that asked.
+        legal = variable.raw.lo <= given.lo and given.hi <= variable.raw.hi
+        value = build.local(scope.name(variable.name), given)
+        if strong:
+            more, found = fuzzify(item, value, scope, dense, bare, bit=bit)
+        else:
+            more, found = zoned(item, Reading(variable, value, bit), scope)
+        return [Define(value, given, legal), *more], found, []
+    steps, raw, told = saturated(variable, given, variable.name, bit, scope, rules == "levels")
+    more, found = fuzzify(item, raw, scope, dense, bare)
     return steps + more, found, told
 
 

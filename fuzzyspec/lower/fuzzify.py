@@ -24,14 +24,16 @@ from fuzzyspec.fixed.program import (
     Element,
     Expr,
     Local,
+    SetStatus,
     Stmt,
+    Test,
 )
 from fuzzyspec.lower.arrays import zeroed
 from fuzzyspec.lower.lines import DEGREE_ONE, Line, fit
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Input
 from fuzzyspec.model.term import PiecewiseLinear, Shape, Singleton
-from fuzzyspec.model.variable import Raw
+from fuzzyspec.model.variable import Raw, Variable
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +69,65 @@ class Piece:
     line: Line
 
 
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A raw as it was read: a local that may still lie outside the legal raws, where ``bit`` is to tell of that."""
+
+    variable: Variable
+    value: Local
+    bit: str
+
+    @property
+    def top(self) -> int:
+        """The last position."""
+        return self.variable.raw.hi - self.variable.raw.lo
+
+    def before(self, at: int) -> Test:
+        """Whether its position lies before another."""
+        raw = self.variable.raw
+        if raw.step > 0:
+            return build.compare("<", self.value, Const(raw.lo + at))
+        return build.compare(">", self.value, Const(raw.hi - at))
+
+    def beyond(self, start: int, length: int) -> Expr:
+        """Its position from another one on, where it is known to lie so far beyond that at most."""
+        raw = self.variable.raw
+        if raw.step < 0:
+            return build.sub_guarded(Const(raw.hi - start), self.value, length)
+        if raw.lo + start < 0:
+            return build.add_bounded(self.value, Const(-raw.lo - start), length)
+        return build.sub_guarded(self.value, Const(raw.lo + start), length)
+
+    def within(self, start: int, end: int) -> list[Stmt]:
+        """Statements that saturate it, where its position may be one of these, or beyond an end that is among them."""
+        raw, steps = self.variable.raw, []
+        low, high = (start == 0, end == self.top) if raw.step > 0 else (end == self.top, start == 0)
+        if low and self.value.lo < raw.lo:
+            below = build.compare("<", self.value, Const(raw.lo))
+            steps.append(Branch(below, (Assign(self.value, Const(raw.lo)), SetStatus(self.bit))))
+        if high and self.value.hi > raw.hi:
+            above = build.compare(">", self.value, Const(raw.hi))
+            steps.append(Branch(above, (Assign(self.value, Const(raw.hi)), SetStatus(self.bit))))
+        return list(steps)
+
+
+Run = tuple[int, int, list[Stmt]]
+"""Positions from the first to the last, and what is to be done there."""
+
+
+def search(runs: list[Run], given: Reading) -> list[Stmt]:
+    """What leads to the runs, which are in order and hold all positions, by few comparisons: the longer the fewer.
+
+    A raw is saturated where it has led to a run at an end.
+    """
+    if len(runs) == 1:
+        ((start, end, steps),) = runs
+        return given.within(start, end) + steps
+    lengths = [end - start for start, end, _ in runs]
+    cut = min(range(1, len(runs)), key=lambda c: abs(sum(lengths[:c]) - sum(lengths[c:])))
+    return [Branch(given.before(runs[cut][0]), tuple(search(runs[:cut], given)), tuple(search(runs[cut:], given)))]
+
+
 STEEP = 2
 """A last rise over fewer raws is not run past its peak and capped: that could leave 32 bits."""
 
@@ -82,22 +143,27 @@ def position_expr(raw: Raw, value: Expr) -> Expr:
 
 
 def fuzzify(
-    item: Input, raw: Expr, scope: Scope, dense: bool, bare: bool = False, one: int = DEGREE_ONE
+    item: Input, raw: Expr, scope: Scope, dense: bool, bare: bool = False, one: int = DEGREE_ONE, bit: str = ""
 ) -> tuple[list[Stmt], Degrees]:
-    """Statements that compute the degrees of one input from its saturated raw.
+    """Statements that compute the degrees of one input from its raw.
 
     ``dense`` asks for a slot for every term even in a strong partition (sentence rules name terms); ``bare`` for no
-    array at all where the partition is strong, and then ``one`` is the integer that stands for a degree of 1.
+    array at all where the partition is strong, and then ``one`` is the integer that stands for a degree of 1. Where the
+    partition is strong the raw may be a local outside the legal raws, which then is saturated, and ``bit`` set.
     """
     variable = item.variable
     body: list[Stmt] = []
+    if item.peaks is not None and len(item.peaks) > 1:
+        if not isinstance(raw, Local):
+            bound = build.local(scope.name(item.name), raw)
+            body.append(Define(bound, raw, True))
+            raw = bound
+        return _strong(item, item.peaks, Reading(variable, raw, bit), scope, dense, bare, body, one)
     at = position_expr(variable.raw, raw)
     if not isinstance(at, Local):
         bound = build.local(scope.name(f"{item.name}_at"), at)
         body.append(Define(bound, at, True))
         at = bound
-    if item.peaks is not None and len(item.peaks) > 1:
-        return _strong(item, item.peaks, at, scope, dense, bare, body, one)
     array = scope.name(f"{item.name}_mu")
     body += zeroed(array, "uint16", len(item.terms), scope)
     worst = Fraction(0)
@@ -111,7 +177,7 @@ def fuzzify(
 def _strong(
     item: Input,
     peaks: tuple[Fraction, ...],
-    at: Local,
+    given: Reading,
     scope: Scope,
     dense: bool,
     bare: bool,
@@ -126,36 +192,31 @@ def _strong(
     if last:
         body.append(Define(first, Const(0), False))
     worst = Fraction(0)
-    chain: tuple[Stmt, ...] = ()
-    lowest = 0
-    for k in range(last, -1, -1):
-        low, high = places[k], places[k + 1]
+    runs: list[Run] = []
+    for k, (low, high) in enumerate(pairwise(places)):
         start = max(0, math.ceil(low))
-        end = at.hi if k == last else min(at.hi, math.ceil(high) - 1)
-        if k == last and high - low < STEEP and math.ceil(high) <= at.hi:
-            chain = ((Assign(first, Const(k)),) if k else ()) + (Assign(degree, Const(one)),)
-            lowest = math.ceil(high)
-            end = lowest - 1
-        if end < start:
-            continue
-        # Beyond the last peak the degree stays 1 (a peak between two raws is passed, and capped), below the first 0.
-        straight = min(end, math.ceil(high)) if k == last else end
-        slope = one / (high - low)
-        # Up to a peak that is a raw itself, so that even pieces have one line (`slide` relies on that).
-        length = straight - start if k == last else math.floor(high) - start
-        line = fit((start - low) * slope, slope, max(0, length))
-        worst = max(worst, line.error)
-        steps: list[Stmt] = [Assign(first, Const(k))] if k else []
-        steps += _piece(line, at, start, end, straight, degree, scope, item.name, one)
-        lowest = start
-        test = build.compare("<", at, Const(math.ceil(high)))
-        if not chain or build.always(test):
-            chain = tuple(steps)
-        else:
-            chain = (Branch(test, tuple(steps), chain),)
-    if lowest:
-        chain = (Branch(build.compare(">=", at, Const(lowest)), chain),)
-    body.extend(chain)
+        end = given.top if k == last else min(given.top, math.ceil(high) - 1)
+        beyond: list[Run] = []
+        if k == last and high - low < STEEP and math.ceil(high) <= given.top:
+            own: list[Stmt] = [Assign(first, Const(k))] if k else []
+            end = math.ceil(high) - 1
+            beyond = [(end + 1, given.top, [*own, Assign(degree, Const(one))])]
+        if start <= end:
+            # Beyond the last peak the degree stays 1 (a peak between two raws is passed, and capped), below the first
+            # it is 0.
+            straight = min(end, math.ceil(high)) if k == last else end
+            slope = one / (high - low)
+            # Up to a peak that is a raw itself, so that even pieces have one line (`slide` relies on that).
+            length = straight - start if k == last else math.floor(high) - start
+            line = fit((start - low) * slope, slope, max(0, length))
+            worst = max(worst, line.error)
+            steps: list[Stmt] = [Assign(first, Const(k))] if k else []
+            steps += _piece(line, given, start, end, straight, degree, scope, item.name, one)
+            runs.append((start, end, steps))
+        runs += beyond
+    if runs[0][0]:
+        runs.insert(0, (0, runs[0][0] - 1, []))
+    body.extend(search(runs, given))
     index: Expr = first if last else Const(0)
     if bare:
         return body, Degrees("", 2, index, worst / one, degree)
@@ -183,19 +244,18 @@ def in_array(item: Input, body: list[Stmt], found: Degrees, scope: Scope) -> tup
 
 
 def _piece(
-    line: Line, at: Local, start: int, end: int, straight: int, degree: Local, scope: Scope, name: str, one: int
+    line: Line, given: Reading, start: int, end: int, straight: int, degree: Local, scope: Scope, name: str, one: int
 ) -> list[Stmt]:
-    u: Expr = at
     steps: list[Stmt] = []
-    if start or end < at.hi or straight < end:
-        offset = build.sub_guarded(at, Const(start), end - start)
+    u = given.beyond(start, end - start)
+    if not isinstance(u, Local):
         bound = Local(scope.name(f"{name}_u"), "uint16", 0, end - start)
-        steps.append(Define(bound, offset, True))
+        steps.append(Define(bound, u, True))
         u = bound
-        if straight < end:
-            short = Local(scope.name(f"{name}_u"), "uint16", 0, straight - start)
-            steps.append(Define(short, build.least(bound, Const(straight - start)), True))
-            u = short
+    if straight < end:
+        short = Local(scope.name(f"{name}_u"), "uint16", 0, straight - start)
+        steps.append(Define(short, build.least(u, Const(straight - start)), True))
+        u = short
     value = line.expr(u)
     if line.top > one:
         wide = build.local(scope.name(f"{name}_y"), value)

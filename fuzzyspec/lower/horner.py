@@ -44,18 +44,23 @@ class Horner:
         body: list[Stmt] = []
         factor: Expr = Const(self.first)
         if self.second or self.third:
+            slope: Expr = Const(self.second)
             if self.third:
-                curve, bits = product(d, self.third, Q)
-                slope = _rest(self.second, curve, bits, -1 if self.third_adds else 1)
+                curve = product(d, self.third, Q)
+                if self.third_adds:
+                    slope = build.add(curve, slope)
+                else:
+                    slope = build.sub_guarded(slope, curve, self.second)
                 bound = build.local(scope.name(f"{name}_slope"), slope, ctype="uint32")
                 body.append(Define(bound, slope, True))
-                drop, bits = _bounded(d, bound), self.slope_bits
+                drop = build.rounded_shift(_bounded(d, bound), self.slope_bits)
             else:
-                drop, bits = product(d, self.second, self.slope_bits)
-            factor = _rest(self.first, drop, bits)
+                drop = product(d, self.second, self.slope_bits)
+            factor = build.sub_guarded(Const(self.first), drop, self.first)
             width = build.local(scope.name(f"{name}_width"), factor, ctype="uint32")
             body.append(Define(width, factor, True))
             factor = width
+        # Not rounded: where a sum has more bits than its factors, half a unit is not worth an addition.
         value = build.shift_right(build.mul(d, factor), self.shift)
         return body, build.add(value, Const(self.base))
 
@@ -75,28 +80,12 @@ def _bounded(d: Local, factor: Local) -> Expr:
     return Binary("*", d, factor, 0, min(d.hi * factor.hi, 2**32 - 2**15))
 
 
-def product(d: Local, factor: int, bits: int) -> tuple[Expr, int]:
-    """``d * factor / 2**bits`` by the shortest exact way: a product, and the bits that are still to be shifted out."""
-    zeros = min((factor & -factor).bit_length() - 1, bits) if factor else bits
-    return build.mul(d, Const(factor >> zeros)), bits - zeros
-
-
-def _rest(top: int, taken: Expr, bits: int, sign: int = 1) -> Expr:
-    """``top - round(taken / 2**bits)``, or their sum with a sign of -1, as one shift where its operand has 32 bits.
-
-    What is taken stays below the top (``smallest_factor``).
-    """
-    half = 1 << bits >> 1
-    if sign < 0:
-        whole = (top << bits) + half
-        if taken.hi + whole <= build.UINT32_MAX:
-            return build.shift_right(build.add(taken, Const(whole)), bits)
-        return build.add(build.rounded_shift(taken, bits), Const(top))
-    # Rounding a difference up where its subtrahend rounds down: ties go to the lower.
-    whole = (top << bits) + max(half - 1, 0)
-    if whole <= build.UINT32_MAX:
-        return build.shift_right(build.sub_guarded(Const(whole), taken, whole), bits)
-    return build.sub_guarded(Const(top), build.rounded_shift(taken, bits), top)
+def product(d: Local, factor: int, bits: int) -> Expr:
+    """``round(d * factor / 2**bits)``, by the shortest exact way."""
+    zeros = (factor & -factor).bit_length() - 1 if factor else 0
+    if zeros >= bits:
+        return build.mul(d, Const(factor >> bits))
+    return build.rounded_shift(build.mul(d, Const(factor >> zeros)), bits - zeros)
 
 
 def fit(base: Fraction, coefficients: tuple[Fraction, Fraction, Fraction], length: int, scale: Fraction) -> Horner:

@@ -37,13 +37,37 @@ def cheapest(expr: Expr) -> Expr:
 
 
 def plainest(expr: Expr) -> Expr:
-    """The expression, or where it is a shift to the right an equal one with fewer operators, on any machine."""
+    """The expression, or where it is a shift to the right, or its sum with a constant, an equal one with fewer
+    operators, on any machine."""
     match expr:
         case Binary(">>", x, Const(count)) if count:
             shorter = [Binary(">>", y, Const(by), expr.lo, expr.hi) if by else y for y, by in _scaled(x, count)]
             return min(shorter, key=operators)
+        case Binary("-", Const(top), Binary(">>", Binary() as x, Const(count))) if expr.lo >= 0 and x.lo >= 0:
+            # top - floor(y / 2**k) = floor((2**k top + 2**k - 1 - y) / 2**k), and y holds what rounds.
+            y, added = _without_constant(x)
+            whole = (top << count) + (1 << count) - 1 - added
+            if y.lo >= 0 and whole <= UINT32_MAX:
+                return Binary(">>", Binary("-", Const(whole), y, 0, whole), Const(count), expr.lo, expr.hi)
+            return expr
+        case Binary("+", Binary(">>", Binary() as x, Const(count)), Const(more)) if more > 0 and x.lo >= 0:
+            y, added = _without_constant(x)
+            whole = (more << count) + added
+            if y.lo >= 0 and y.hi + whole <= UINT32_MAX:
+                total = Binary("+", y, Const(whole), y.lo + whole, y.hi + whole)
+                return Binary(">>", total, Const(count), expr.lo, expr.hi)
+            return expr
         case _:
             return expr
+
+
+def _without_constant(x: Binary) -> tuple[Expr, int]:
+    """What a sum adds a constant to, and the constant; else the expression and 0."""
+    match x:
+        case Binary("+", y, Const(added)) if added >= 0:
+            return y, added
+        case _:
+            return x, 0
 
 
 def operators(expr: Expr) -> int:

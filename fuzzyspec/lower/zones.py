@@ -7,11 +7,12 @@ finds the zone; there the active terms' degrees alone are computed, and a number
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import pairwise
 
 from fuzzyspec.fixed import build
-from fuzzyspec.fixed.program import Assign, Branch, Const, Define, Expr, Local, Stmt
-from fuzzyspec.lower.fuzzify import Degrees, Piece, position_expr, straight_pieces
+from fuzzyspec.fixed.program import Assign, Const, Define, Expr, Local, Stmt
+from fuzzyspec.lower.fuzzify import Degrees, Piece, Reading, Run, search, straight_pieces
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.scope import Scope
 from fuzzyspec.model.controller import Input
@@ -57,48 +58,31 @@ def groups_of(item: Input) -> dict[tuple[int, ...], int]:
     return found
 
 
-def zoned(item: Input, raw: Expr, scope: Scope) -> tuple[list[Stmt], Degrees]:
-    """Statements that compute the degrees of one input from its saturated raw, zone by zone."""
-    body: list[Stmt] = []
-    at = position_expr(item.variable.raw, raw)
-    if not isinstance(at, Local):
-        bound = build.local(scope.name(f"{item.name}_at"), at)
-        body.append(Define(bound, at, True))
-        at = bound
-    zones = zones_of(item)
+def zoned(item: Input, given: Reading, scope: Scope) -> tuple[list[Stmt], Degrees]:
+    """Statements that compute the degrees of one input from its raw, zone by zone, and saturate it on the way."""
     groups = tuple(groups_of(item))
     group = Local(scope.name(f"{item.name}_group"), "uint8", 0, len(groups) - 1)
     most = max(map(len, groups))
     members = tuple(Local(scope.name(f"{item.name}_mu"), "uint16", 0, DEGREE_ONE) for _ in range(most))
-    body += [Define(m, Const(0), False) for m in ((group, *members) if len(groups) > 1 else members)]
-    body += _search(zones, groups, group, members, at)
-    error = max(p.line.error for z in zones for _, p in z.pieces) / DEGREE_ONE
-    first: Expr = group if len(groups) > 1 else Const(0)
-    return body, Degrees("", most, first, error, None, groups, members)
-
-
-def _search(
-    zones: list[Zone], groups: tuple[tuple[int, ...], ...], group: Local, members: tuple[Local, ...], at: Local
-) -> list[Stmt]:
-    """What leads to the zones by few comparisons, the wider a zone the fewer."""
-    if len(zones) == 1:
-        (zone,) = zones
+    body: list[Stmt] = [Define(m, Const(0), False) for m in ((group, *members) if len(groups) > 1 else members)]
+    runs: list[Run] = []
+    error = Fraction(0)
+    for zone in zones_of(item):
         number = groups.index(zone.terms)
-        own: list[Stmt] = [Assign(group, Const(number))] if number else []
-        return own + [Assign(m, _degree(p, at)) for m, (_, p) in zip(members, zone.pieces, strict=False)]
-    cut = min(
-        range(1, len(zones)),
-        key=lambda c: abs(sum(z.width for z in zones[:c]) - sum(z.width for z in zones[c:])),
-    )
-    below = _search(zones[:cut], groups, group, members, at)
-    beyond = _search(zones[cut:], groups, group, members, at)
-    return [Branch(build.compare("<", at, Const(zones[cut].start)), tuple(below), tuple(beyond))]
+        steps: list[Stmt] = [Assign(group, Const(number))] if number else []
+        for member, (_, piece) in zip(members, zone.pieces, strict=False):
+            steps.append(Assign(member, _degree(piece, given)))
+            error = max(error, piece.line.error)
+        runs.append((zone.start, zone.end, steps))
+    body += search(runs, given)
+    first: Expr = group if len(groups) > 1 else Const(0)
+    return body, Degrees("", most, first, error / DEGREE_ONE, None, groups, members)
 
 
-def _degree(piece: Piece, at: Local) -> Expr:
+def _degree(piece: Piece, given: Reading) -> Expr:
     if not piece.line.slope:
         return Const(piece.line.offset >> piece.line.shift)
-    value = piece.line.expr(build.sub_guarded(at, Const(piece.start), piece.end - piece.start))
+    value = piece.line.expr(given.beyond(piece.start, piece.end - piece.start))
     if value.hi <= DEGREE_ONE:
         return value
     # A line that a rounding takes above 1 is capped.
