@@ -35,8 +35,9 @@ def limit(controller: Controller, target: str) -> int:
 
 @lru_cache(maxsize=64)
 def steps(controller: Controller, core: str) -> Steps:
-    """The steps of a call, as means over inputs that are spread evenly."""
-    return _Call(controller, core).steps
+    """The steps of a call, as means over inputs that are spread evenly: of the ways to find what fires the cheapest."""
+    ways = (_Call(controller, core), _Call(controller, core, by_shape=True))
+    return min((way.steps for way in ways), key=lambda found: sum(n * price(step, core) for step, n in found.items()))
 
 
 def with_limits(measured: Measured, functions: Mapping[str, Controller | System]) -> Measured:
@@ -77,6 +78,7 @@ class _Call:
 
     controller: Controller
     core: str
+    by_shape: bool = False
 
     @cached_property
     def axes(self) -> tuple[Axis, ...]:
@@ -115,12 +117,12 @@ class _Call:
     @property
     def by_level(self) -> bool:
         """Cells are looked up one by one, strongest first."""
-        return self.sorted and self.n > 2
+        return self.sorted and self.n > 2 and not (self.by_shape and self.n == 3)
 
     @property
     def shared(self) -> bool:
         """Blocks of one shape share their code, which is looked up."""
-        return self.sorted and self.n <= 2 and self.many
+        return self.sorted and not self.by_level and self.many
 
     @property
     def scattered(self) -> bool:
@@ -207,6 +209,11 @@ class _Call:
         outputs = self.controller.outputs
         if self.sorted:
             order = log2(factorial(self.n))
+            if self.shared and self.n > 2:
+                # Too many orders for code of their own: minima over 2, 3 .. inputs, and of what names a term again.
+                again = sum(b.share * sum(len(named) - len(set(named)) for named in b.named) for b in self.blocks)
+                minima = sum(2**i for i in range(2, self.n + 1)) + again
+                return _step(minimum=minima, add=self.n + len(outputs), dispatch=1, cell=1)
             if not self.by_level:
                 return _step(test=order, add=1 + self.shared * len(outputs), dispatch=self.shared, cell=self.shared)
             ordered = _step(exchange=order, add=1)

@@ -38,25 +38,22 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
 
     /* error: degrees of cold, near, hot */
     int32_t error = in->error;
-    if (error < -1000) {
-        error = -1000;
-        status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_ERROR);
-    }
-    if (error > 1000) {
-        error = 1000;
-        status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_ERROR);
-    }
-
-    const uint32_t error_at = (uint32_t)(error + 1000);
     uint32_t error_d = 0U;
     uint32_t error_term = 0U;
-    if (error_at < 1000U) {
-        const uint32_t error_u_2 = error_at;
-        error_d = ((error_u_2 * 2147484U) + 32592U) >> 16U;
-    } else {
-        error_term = 1U;
-        const uint32_t error_u = error_at - 1000U;
+    if (error < 0) {
+        if (error < -1000) {
+            error = -1000;
+            status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_ERROR);
+        }
+        const uint32_t error_u = (uint32_t)(error + 1000);
         error_d = ((error_u * 2147484U) + 32592U) >> 16U;
+    } else {
+        if (error > 1000) {
+            error = 1000;
+            status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_ERROR);
+        }
+        error_term = 1U;
+        error_d = (((uint32_t)error * 2147484U) + 32592U) >> 16U;
     }
 
     uint16_t error_mu[3];

@@ -31,17 +31,15 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
 
     /* service: degrees of poor, good, excellent */
     uint32_t service = in->service;
-    if (service > 40960U) {
-        service = 40960U;
-        status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_SERVICE);
-    }
-
     uint32_t service_d = 0U;
     uint32_t service_term = 0U;
     if (service < 20480U) {
-        const uint32_t service_u_2 = service;
-        service_d = ((service_u_2 * 104858U) + 28672U) >> 16U;
+        service_d = ((service * 104858U) + 28672U) >> 16U;
     } else {
+        if (service > 40960U) {
+            service = 40960U;
+            status = (tipper_status_t)(status | TIPPER_TIP_SATURATED_SERVICE);
+        }
         service_term = 1U;
         const uint32_t service_u = service - 20480U;
         service_d = ((service_u * 104858U) + 28672U) >> 16U;
