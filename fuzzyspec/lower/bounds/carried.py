@@ -28,6 +28,8 @@ from fuzzyspec.lower.multilinear import MultilinearNumbers
 
 LARGE = Fraction(1, 100)
 """Errors above this part of the range are derived in both ways."""
+A_BOX = 128
+"""Rules times directions of a box of ordinary cost: four inputs of two active terms, all of them off."""
 
 
 def bound_controller(
@@ -120,7 +122,7 @@ def fastest(strengths: Strengths, outputs: list[CentroidBound | AverageBound], e
         float(min(controller.fires_at, numbers.fires_at) if sure else numbers.fires_at - off)
         for sure in controller.always_fires
     )
-    search = _Steepest(strengths, outputs, reached, effort)
+    search = _Steepest(strengths, outputs, reached, _affordable(strengths, effort))
     steepest = search.run()
     if steepest.boxes is None:
         anywhere = Boxes(np.zeros((1, len(controller.inputs))), np.ones((1, len(controller.inputs))))
@@ -129,6 +131,16 @@ def fastest(strengths: Strengths, outputs: list[CentroidBound | AverageBound], e
         Moved(far, steepest.boxes.some([o]), search.shares(steepest.boxes.some([o]), o))
         for o, far in enumerate(steepest.worst)
     ]
+
+
+def _affordable(strengths: Strengths, effort: Effort) -> Effort:
+    """As many boxes as take no longer where rules or directions are many."""
+    moving = sum(1 for e in strengths.errors if e)
+    rules = len(strengths.controller.sentences)
+    if strengths.controller.cells is not None:
+        rules += 1 << len(strengths.errors)
+    boxes = effort.boxes * A_BOX // max(A_BOX, rules << (moving - 1))
+    return replace(effort, boxes=boxes, first=min(effort.first, boxes))
 
 
 class _Steepest(Search):
