@@ -21,6 +21,7 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from typing import Literal
 
 from fuzzyspec.check.degrees import core, degree, points
@@ -191,6 +192,8 @@ def _attained(controller: Controller, output: int) -> Hull | None:
     """Values taken at inputs where one term alone fires: their hull, or None where no such input was found."""
     variable = controller.outputs[output]
     found: list[Fraction] = []
+    corners_of = cache(lambda term: _within(variable.terms[term].shape, variable.integrate_lo, variable.integrate_hi))
+    centroid_of = cache(lambda term, height: _centroid(corners_of(term), height))
     for cell in _looks(controller, output):
         at = [core(v, t) for v, t in zip(controller.inputs, cell, strict=True)]
         degrees = [[degree(t.shape, x) for t in v.terms] for v, x in zip(controller.inputs, at, strict=True)]
@@ -198,14 +201,14 @@ def _attained(controller: Controller, output: int) -> Hull | None:
         strength = max((s for _, s in fired), default=Fraction(0))
         if len({term for term, _ in fired}) != 1 or strength < controller.fires_at:
             continue
-        shape = variable.terms[fired[0][0]].shape
+        term = fired[0][0]
+        shape = variable.terms[term].shape
         clips = controller.infer.implies == "min"
         if isinstance(shape, Singleton):
             found.append(shape.at)
         elif not (clips and controller.infer.aggregate == "sum" and len(fired) > 1):
-            corners = _within(shape, variable.integrate_lo, variable.integrate_hi)
-            top = max(y for _, y in corners)
-            found.append(_centroid(corners, min(top, strength) if clips else top))
+            top = max(y for _, y in corners_of(term))
+            found.append(centroid_of(term, min(top, strength) if clips else top))
     return (min(found), max(found)) if found else None
 
 

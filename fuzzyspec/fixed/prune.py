@@ -83,10 +83,12 @@ def children(node: Node) -> tuple[Node, ...]:
 
 
 def nodes(node: Node) -> Iterator[Node]:
-    """The node and everything below it."""
-    yield node
-    for child in children(node):
-        yield from nodes(child)
+    """The node and everything below it, each before its operands, these from left to right."""
+    left = [node]
+    while left:
+        found = left.pop()
+        yield found
+        left += reversed(children(found))
 
 
 def statements(body: tuple[Stmt, ...]) -> Iterator[Stmt]:

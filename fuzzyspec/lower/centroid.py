@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import pairwise
 
 from fuzzyspec.fixed import build
@@ -174,6 +175,7 @@ def _sets(forms: tuple[ClippedSet, ...], scale: Scale) -> tuple[SetNumbers, ...]
     return tuple(sets)
 
 
+@lru_cache(maxsize=64)
 def _even_sets(even: EvenOutput) -> tuple[SetNumbers, ...]:
     """The numbers of an even output's sets, whichever program adds them."""
     height = Local("h", "uint16", 0, DEGREE_ONE)
