@@ -30,7 +30,10 @@ BUILDS: list[tuple[str, Kind | None]] = [
     ("avr", None),
 ]
 
-NOT_DERIVED = {("nav", "cortex-m0plus", "zig"), ("nav", "cortex-m4", "zig")}
+M7 = [(path, kind) for path in ("w1", "w3s", "nav") for kind in ("gcc", "zig")]
+"""The Cortex-M7 has the M4's instructions; other compilers' choices for it are tried on few."""
+
+NOT_DERIVED = {("nav", "cortex-m0plus", "zig"), ("nav", "cortex-m4", "zig"), ("nav", "cortex-m7", "zig")}
 """Its loop ends by an address; that the list is not empty there is known of another register only."""
 
 
@@ -48,6 +51,18 @@ def records_of(text: str, target: str, kind: Kind | None, option: str, inputs: i
 def test_the_derived_worst_case_holds_and_is_close(path: Path, target: str, kind: Kind | None, option: str) -> None:
     """For every function of the benchmarks and the examples: no input took more, and the largest is not far below. No
     controller takes less than is counted."""
+    holds_and_is_close(path, target, kind, option)
+
+
+@pytest.mark.parametrize(("stem", "kind"), M7)
+def test_it_does_on_a_cortex_m7_too(stem: str, kind: Kind) -> None:
+    """The same, of the build for speed."""
+    folder = "examples" if stem == "nav" else "benchmarks"
+    holds_and_is_close(ROOT / folder / f"{stem}.fz", "cortex-m7", kind, "O2")
+
+
+def holds_and_is_close(path: Path, target: str, kind: Kind | None, option: str) -> None:
+    """Measured, limit and derived of a spec's functions, in their order."""
     text = path.read_text(encoding="utf-8")
     functions = load(text).functions
     for record in records_of(text, target, kind, option, 60):

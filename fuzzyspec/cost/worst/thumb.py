@@ -289,9 +289,12 @@ def _memory(insn: Any, name: str) -> Parts:
         ), None
     if registers == [PC]:
         return moved, Leave(Load(address, 4))
-    if PC in registers or base in registers[:-1]:
+    if PC in registers or (base in registers and insn.writeback):
         raise NotModelled(f"{insn.mnemonic} {insn.op_str}")
-    return (*moved, *(Set(r, Load(_after(address, 4 * i), size, signed)) for i, r in enumerate(registers))), None
+    loads = [Set(r, Load(_after(address, 4 * i), size, signed)) for i, r in enumerate(registers)]
+    # The address is read before any register is loaded: one that holds it is loaded last.
+    loads.sort(key=lambda load: load.register == base)
+    return (*moved, *loads), None
 
 
 def _after(address: Expr, offset: int) -> Expr:
