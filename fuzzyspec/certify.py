@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyspec.api import Spec, accept, beside
 
 if TYPE_CHECKING:
-    from fuzzyspec.verify import Report
+    from fuzzyspec.verify import Report, Sweep
     from fuzzyspec.verify.evidence import Asked
 
 __all__ = ["certify", "recheck"]
@@ -22,21 +22,27 @@ Progress = Callable[[int, int, str], None]
 
 
 def certify(
-    spec: Spec, asked: Asked, c: str | os.PathLike[str] | None = None, progress: Progress | None = None
+    spec: Spec,
+    asked: Asked,
+    c: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+    sweep: Sweep | None = None,
 ) -> tuple[Report, dict[str, Any]]:
     """Verify as asked, and give the report with the certificate: what was shown, and how.
 
-    ``c``: a C file to verify instead of the generated one. Raises as ``Spec.verify``, and MissingTool where a machine
-    that is asked for cannot be run.
+    ``c``: a C file to verify instead of the generated one. ``sweep``: how every input is to be tried, where that is
+    asked for, and otherwise than by default. Raises as ``Spec.verify``, and MissingTool where a machine that is asked
+    for cannot be run.
     """
     from fuzzyspec.lower import Options
-    from fuzzyspec.verify import LEVELS, find_machines
+    from fuzzyspec.verify import LEVELS, Sweep, find_machines
     from fuzzyspec.verify.evidence import Verified, document
 
     tolerance = spec.tolerance if asked.tolerance is None else Fraction(asked.tolerance)
     options = Options(asked.bounds, asked.optimize, asked.chosen_for, tolerance=tolerance)
     levels = LEVELS if asked.levels is None else asked.levels
-    machines = find_machines(asked.targets, levels, asked.compiler, asked.target_cases) if asked.targets else None
+    wanted = (asked.targets, levels, asked.compiler, asked.target_cases, asked.emulator)
+    machines = find_machines(*wanted) if asked.targets else None
     report = spec.verify(
         seed=asked.seed,
         cases=asked.cases,
@@ -46,6 +52,7 @@ def certify(
         worst=asked.worst,
         options=options,
         machines=machines,
+        sweep=(sweep or Sweep()) if asked.exhaustive else None,
         progress=progress,
     )
     files = spec.compile(options).files

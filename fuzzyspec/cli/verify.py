@@ -111,8 +111,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise Refusal("a certificate is about generated cases", "leave out --scenario or --certificate")
     if arguments.state is not None and not arguments.exhaustive:
         raise Refusal("--state is about --exhaustive", "give --exhaustive too")
-    if arguments.exhaustive and arguments.certificate is not None:
-        raise Refusal("a certificate does not tell of --exhaustive", "leave out one of the two")
+    if arguments.state is not None and arguments.certificate is not None:
+        raise Refusal("a certificate tells of one run, and --state joins several", "leave out one of the two")
     machines = _found(arguments)
     spec = api.load(arguments.file)
     known = list(spec.functions)
@@ -170,9 +170,12 @@ def _certified(arguments: argparse.Namespace, spec: Spec, progress: Progress | N
         targets=tuple(arguments.target or ()),
         levels=None if arguments.levels is None else tuple(arguments.levels),
         compiler=arguments.compiler,
+        emulator=arguments.emulator,
         target_cases=arguments.target_cases,
+        exhaustive=arguments.exhaustive,
     )
-    report, certificate = certify(spec, asked, arguments.c, progress)
+    sweep = _sweep(arguments) if arguments.exhaustive else None
+    report, certificate = certify(spec, asked, arguments.c, progress, sweep)
     if report.ok:
         text = json.dumps(certificate, indent=1) + "\n"
         write(Plan({arguments.certificate.name: text.encode()}), arguments.certificate.parent)

@@ -18,6 +18,7 @@ from typing import Any, Literal, get_args
 from fuzzyspec.diagnostics.diagnostic import Source
 from fuzzyspec.diagnostics.refusal import Refusal
 from fuzzyspec.lower.strategy import Goal, Target
+from fuzzyspec.machines.machine import Emulators
 from fuzzyspec.machines.toolchains import Kind
 from fuzzyspec.resources import folder
 from fuzzyspec.verify.render import as_json
@@ -34,7 +35,7 @@ class Asked:
     """What a verification was asked for, as plain data. None stands for the default.
 
     ``bounds`` to ``tolerance`` are what the C was compiled with, the last as ``p/q`` percent; ``targets`` to
-    ``target_cases`` are the builds on other machines.
+    ``target_cases`` are the builds on other machines; ``exhaustive``: whether every input is swept.
     """
 
     seed: int | None = None
@@ -49,7 +50,9 @@ class Asked:
     targets: tuple[str, ...] = ()
     levels: tuple[str, ...] | None = None
     compiler: Kind | None = None
+    emulator: Emulators | None = None
     target_cases: int | None = None
+    exhaustive: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,10 +113,11 @@ def _sound(asked: Mapping[str, Any]) -> bool:
     return (
         all(asked[name] in get_args(kinds) for name, kinds in words.items())
         and asked["compiler"] in (None, *get_args(Kind))
+        and asked["emulator"] in (None, *get_args(Emulators))
         and all(
             asked[k] is None or (type(asked[k]) is int and asked[k] >= 0) for k in ("seed", "cases", "target_cases")
         )
-        and all(type(asked[k]) is bool for k in ("sanitize", "worst"))
+        and all(type(asked[k]) is bool for k in ("sanitize", "worst", "exhaustive"))
         and all(_words(asked[k]) for k in ("only", "targets", "levels"))
         and (asked["tolerance"] is None or re.fullmatch(r"\d{1,30}(/\d{1,30})?", str(asked["tolerance"])) is not None)
     )
@@ -183,6 +187,9 @@ def _shown(report: Report, asked: Asked) -> Iterator[dict[str, Any]]:
         name = found.function
         compared = f"compared over random and aimed inputs, built by {report.compiler}"
         yield _claim(name, "the C returns what the integer program says, bit for bit", compared, found.cases)
+        if every := found.kinds.get("every input", 0):
+            claim = "the C returns what the integer program says for every input there is"
+            yield _claim(name, claim, "every input was tried", every)
         if found.sanitized:
             run = f"run under the {' and '.join(report.sanitizers)} sanitizers"
             yield _claim(name, "the C runs without undefined behaviour", run, found.sanitized)

@@ -141,6 +141,21 @@ def test_the_command_writes_and_rechecks(
     ]
 
 
+def test_every_input_is_told_of(tmp_path: Path) -> None:
+    """Where every input is swept the certificate says so, with how many they are; a recheck sweeps them again."""
+    spec = tmp_path / "small.fz"
+    spec.write_text(
+        "module small\ncontroller c {\n    input x in [0, 1] raw uint8 { partition A B }\n"
+        "    output y in [0, 1] { partition S B }\n    table y by x { A: S  B: B }\n}\n",
+        encoding="utf-8",
+    )
+    report, found = certify(load(spec), Asked(cases=10, sanitize=False, exhaustive=True))
+    assert report.ok
+    (every,) = [c for c in found["shown"] if "every input there is" in c["claim"]]
+    assert every["cases"] >= 256
+    assert recheck(found) == ([], [])
+
+
 def test_nothing_is_certified_of_what_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A verification that fails writes no certificate and leaves an older one as it was."""
     monkeypatch.chdir(tmp_path)
