@@ -30,7 +30,7 @@ class Forecast:
     """One limit of a function on one machine, and the model's figures for it.
 
     ``typical`` is the mean of a call, ``most`` the longest path through it; a size is both. ``spread``: the relative
-    error that nine in ten estimates keep to, ``worst``: the largest seen on any machine.
+    error that nine in ten estimates keep to, ``worst``: the largest seen on the machine.
     """
 
     function: str
@@ -73,16 +73,18 @@ def forecasts(
 
 
 def _errors(limit: Budget, machine: Machine, option: Option) -> tuple[float, float]:
-    """How far nine in ten estimates were off on a machine, and the worst on any; RAM is known, not estimated.
-
-    Some machines were measured on few specs, so that the worst that was seen there says little.
-    """
+    """How far nine in ten estimates were off on a machine, and the worst; RAM is known, not estimated."""
     quantity = limit.quantity
     if quantity == "ram":
         return 0.0, 0.0
     own = weights(machine, option, quantity)
-    assert own is not None
-    return own.nine_in_ten, max(by.worst for m in MACHINES if (by := weights(m, option, quantity)) is not None)
+    alike = weights(LIKE.get(machine, machine), option, quantity)
+    assert own is not None and alike is not None
+    return own.nine_in_ten, max(own.worst, alike.worst)
+
+
+LIKE: Mapping[Machine, Machine] = {"cortex-m7": "cortex-m4"}
+"""A machine that was measured on few specs, so that the worst seen there says little: its sister's counts too."""
 
 
 def _figures(found: Estimate, limit: Budget) -> tuple[float, float]:

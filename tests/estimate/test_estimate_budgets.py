@@ -135,13 +135,13 @@ def test_the_shipped_model_has_a_figure_for_every_limit(machine: Machine) -> Non
         assert f.verdict == "kept"
 
 
-def test_the_worst_is_that_of_all_machines() -> None:
-    """A machine that was measured on few specs does not pass for exact."""
-    loaded = load(spec("stack <= 6 kB"))
-    found = loaded.forecasts(Options())
-    of_machines = [weights(f.machine, "O2", "stack") for f in found]
-    assert {f.worst for f in found} == {max(by.worst for by in of_machines if by is not None)}
-    assert [f.spread for f in found] == [by.nine_in_ten for by in of_machines if by is not None]
+def test_the_worst_is_that_of_the_machine() -> None:
+    """Each has its own; the Cortex-M7, which was measured on few specs, does not pass for more exact than the M4."""
+    found = {f.machine: f for f in load(spec("stack <= 6 kB")).forecasts(Options())}
+    of = {m: by for m in MACHINES if (by := weights(m, "O2", "stack")) is not None}
+    assert {m: f.spread for m, f in found.items()} == {m: by.nine_in_ten for m, by in of.items()}
+    m7 = max(of["cortex-m4"].worst, of["cortex-m7"].worst)
+    assert {m: f.worst for m, f in found.items()} == {m: by.worst for m, by in of.items()} | {"cortex-m7": m7}
 
 
 # --- what is told ----------------------------------------------------------------------------
