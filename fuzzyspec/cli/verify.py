@@ -30,7 +30,7 @@ def register(subparsers: Any) -> None:
         description="Build the C for this machine (strict warnings; again under sanitizers) and run it, the integer "
         "program and the exact meaning over random and aimed inputs: C and program must agree bit for bit, program "
         "and meaning within the certified bounds.",
-        epilog="exit status: 0 verified, 1 not, 2 wrong usage or no C compiler",
+        epilog="exit status: 0 verified, 1 not, 2 wrong usage or a missing tool",
     )
     parser.add_argument(
         "file", metavar="FILE.fz", type=spec_path, nargs="?", help="the spec; not needed with --recheck"

@@ -99,9 +99,11 @@ class AvrEmulation:
     """An image on the emulated device, as ``emulate.Emulation``. Every function is linked when it is first run."""
 
     def __init__(self, image: Image, seconds: float) -> None:
+        """Raises MissingTool where simavr is not installed, BuildError."""
         if not simavr_is_here():
             raise MissingTool("simavr is needed to run what was built for avr", f"get it: {SIMAVR}")
         self.image = image
+        image.selftest()  # what the compiler rejects is told now; what does not fit, when it is linked
         self._seconds = seconds
         self._feeds: dict[str, AvrFeed] = {}
 

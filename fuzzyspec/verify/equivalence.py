@@ -14,7 +14,7 @@ from fuzzyspec.verify.bench import BLOCK, Bench
 from fuzzyspec.verify.cases import DEFAULT_CASES, Batch, batches, bulk, planned
 from fuzzyspec.verify.directed import Directed, Effort, search
 from fuzzyspec.verify.exhaust import Sweep, exhaust, spaces
-from fuzzyspec.verify.machines import Machines, on_machines
+from fuzzyspec.verify.machines import Machines, described, on_machines
 from fuzzyspec.verify.report import Failure, MachineFound, Report
 from fuzzyspec.verify.runner import Runner
 from fuzzyspec.verify.sample import Sample
@@ -108,7 +108,7 @@ def verify(
                 seconds = max(options.seconds, 120.0)
                 return NativeProcess(program, tested, toolchain, warnings_are_errors=False, seconds=seconds)
 
-            key = {"tool": __version__, "compiler": toolchain.name}
+            key = {"tool": __version__, "compiler": described(toolchain)}
             key |= {"generated": Plan(files).digest, "c": Plan(tested).digest}
             notes += exhaust(benches, another, options.sweep, steps, key)
     machines: tuple[MachineFound, ...] = ()

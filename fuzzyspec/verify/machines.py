@@ -104,7 +104,7 @@ def _compilers(
         chosen = [t for t in host_toolchains() if kind is None or (t.name == "zig cc") == (kind == "zig")]
         if not chosen:
             raise MissingTool(f"no compiler of the kind {kind} was found for this machine", "leave out --compiler")
-        return [(t, description_of("zig" if t.name == "zig cc" else "gcc", t.command), None) for t in chosen]
+        return [(t, described(t), None) for t in chosen]
     found: list[tuple[Toolchain | CrossCompiler, str, Emulators | None]] = []
     lacking: MissingTool | None = None
     for one in KINDS if kind is None else (kind,):
@@ -119,6 +119,11 @@ def _compilers(
         assert lacking is not None
         raise lacking
     return found
+
+
+def described(toolchain: Toolchain) -> str:
+    """Name and version of a compiler for this machine."""
+    return description_of("zig" if toolchain.name == "zig cc" else "gcc", toolchain.command)
 
 
 def on_machines(
@@ -173,7 +178,7 @@ def _on(
             if returned != 0:
                 said = returned.what if isinstance(returned, Death) else f"golden vector {returned - 1} differs"
                 failures.append(Failure("selftest", None, f"the self-test on {way.build}: {said}", on=way.build))
-        except DoesNotFit as reason:
+        except (DoesNotFit, BuildError) as reason:
             record = replace(record, left_out=f"the self-test does not fit: {reason}")
         found: list[OnMachine] = []
         for sample in samples:

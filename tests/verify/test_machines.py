@@ -200,3 +200,38 @@ def test_the_page_names_every_key_of_the_data(keeper: Path, capsys: pytest.Captu
 
     look(report)
     assert {key for key in keys if f"`{key}`" not in page} <= {"where", "kernel", "percent"}
+
+
+def test_c_that_does_not_compile_for_a_machine_fails_there(keeper: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What one compiler rejects is a failure of that build, with what it said; the others run."""
+    mine = keeper.with_name("mine.c")
+    refused = '#if defined(__MIPSEB__)\n#error "not for me"\n#endif\n'
+    mine.write_text(refused + keeper.with_suffix(".c").read_text(encoding="utf-8"), encoding="utf-8")
+    words = ["--target", "mips-be,wasm32", "--levels", "O2", "--compiler", "zig", "--c", str(mine), "--only", "hold"]
+    status, report = verified(capsys, str(keeper), *words)
+    assert status == 1
+    (failure,) = report["failures"]  # type: ignore[misc]
+    assert (failure["kind"], failure["on"]["target"]) == ("build", "mips-be")
+    assert "not for me" in failure["output"]
+    assert [(r["target"], r["left_out"]) for r in report["machines"]] == [  # type: ignore[attr-defined]
+        ("mips-be", "the compiler rejected the C"),
+        ("wasm32", None),
+    ]
+
+
+def test_what_does_not_fit_a_device_is_left_out_and_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A list of more than an ATmega328P's RAM: not run there, no failure, and the other function runs."""
+    path = tmp_path / "long.fz"
+    path.write_text(
+        "module lengthy\n"
+        "controller gain { input x in [0, 1] { partition S B } output y in [0, 1] { partition S B }\n"
+        "  table y by x { S: S  B: B } }\n"
+        "system most { input parts[200] { a in [0, 1], b in [0, 1], c in [0, 1] }\n"
+        "  output y = max(p.a * p.b + p.c for p in parts, otherwise 0) }\n",
+        encoding="utf-8",
+    )
+    status, report = verified(capsys, str(path), "--target", "avr", "--levels", "Os")
+    assert status == 0
+    (record,) = report["machines"]  # type: ignore[misc]
+    left_out = {f["function"]: f["left_out"] for f in record["functions"]}
+    assert left_out == {"gain": None, "most": "a case of 1201 bytes does not fit its RAM"}
