@@ -9,7 +9,7 @@ import numpy as np
 
 from fuzzyspec.fixed.certificate import Dominant
 from fuzzyspec.lower.bounds import orders, slopes
-from fuzzyspec.lower.bounds.dominant import carried_on
+from fuzzyspec.lower.bounds.dominant import added_up, carried_on
 from fuzzyspec.lower.bounds.memberships import Floats
 from fuzzyspec.lower.bounds.outputs import AverageBound, CentroidBound
 from fuzzyspec.lower.bounds.search import (
@@ -20,6 +20,7 @@ from fuzzyspec.lower.bounds.search import (
     bound_at_once,
     decision_bands,
     means,
+    reason_of,
     strength_error,
 )
 from fuzzyspec.lower.bounds.strengths import Boxes, Strengths
@@ -55,11 +56,59 @@ def bound_controller(
     )
     strengths = Strengths(numbers, relative, raws)
     outputs = list(means(numbers)) if prepared is None else list(prepared)
-    if not slopes.applies(strengths):
+    if any(relative) and not slopes.applies(strengths):
         return bound_at_once(strengths, outputs, effort)
     if alone is None or raws is not None:
-        alone = bound_at_once(strengths.off_by((0.0,) * len(relative)), outputs, effort)
+        alone = _alone(strengths.off_by((0.0,) * len(relative)), outputs, effort)
+    if not any(relative):
+        return alone
     return _carried(strengths, outputs, effort, alone)
+
+
+def _alone(strengths: Strengths, outputs: list[CentroidBound | AverageBound], effort: Effort) -> ControllerBounds:
+    """The bounds for inputs without error: at once or, where orders decide, by the same lemma for rounded degrees.
+
+    What then follows from the rounded degrees is looked at as if these were exact, over all that they can be.
+    """
+    controller = strengths.controller
+    if not orders.applies(controller) or any(isinstance(n, MultilinearNumbers) for n in strengths.numbers.outputs):
+        return bound_at_once(strengths, outputs, effort)
+    found = _Exact(strengths, outputs, effort).run()
+    assert found.boxes is not None
+    errors: dict[str, Fraction] = {}
+    reasons: dict[str, str] = {}
+    dominants: dict[str, Dominant | None] = {}
+    for o, (output, mean) in enumerate(zip(controller.outputs, outputs, strict=True)):
+        assert isinstance(mean, CentroidBound)
+        span = output.variable.hi - output.variable.lo
+        lemma = orders.Fastest(output, mean, orders.pieces_of(strengths, o, orders.rounded(strengths), beyond=True))
+        degrees, worst = lemma.search(effort.boxes)
+        at, shares = orders.place(controller, worst, lemma.shares(worst))
+        bound = (degrees + found.worst[o]) * (1 + 2.0**-40)
+        errors[output.name] = min(Fraction(bound), Fraction(1)) * span
+        _, rounding, tail = found.parts[o]
+        reasons[output.name] = reason_of((degrees, rounding, tail))
+        dominants[output.name] = added_up(
+            strengths, o, (Boxes(at, at), shares), (found.boxes.some([o]), rounding, tail)
+        )
+    certified = {o.name: errors[o.name] < o.variable.hi - o.variable.lo for o in controller.outputs}
+    return ControllerBounds(errors, reasons, certified, decision_bands(strengths.numbers, strengths), dominants)
+
+
+class _Exact(Search):
+    """The largest error from exact degrees on: these may be what no raw has, as far beyond as they are rounded."""
+
+    def __init__(self, strengths: Strengths, outputs: list[CentroidBound | AverageBound], effort: Effort) -> None:
+        super().__init__(strengths.alone(None), outputs, effort)
+        self.rounded = strengths
+
+    def ends(self, i: int) -> tuple[float, float]:
+        low, high = self.rounded.around(i)
+        own = float(self.rounded.numbers.degree_errors[i])
+        return max(0.0, low - own), min(1.0, high + own)
+
+    def raws(self, i: int) -> tuple[float, float] | None:
+        return None
 
 
 def _carried(
@@ -112,7 +161,7 @@ def fastest(strengths: Strengths, outputs: list[CentroidBound | AverageBound], e
         found = []
         for o, mean in enumerate(outputs):
             assert isinstance(mean, CentroidBound)
-            lemma = orders.Fastest(controller.outputs[o], mean, orders.pieces_of(strengths, o))
+            lemma = orders.Fastest(controller.outputs[o], mean, orders.pieces_of(strengths, o, orders.slid(strengths)))
             far, worst = lemma.search(2 * effort.boxes)
             at, shares = orders.place(controller, worst, lemma.shares(worst))
             found.append(Moved(far, Boxes(at, at), shares))
@@ -161,6 +210,9 @@ class _Steepest(Search):
 
     def ends(self, i: int) -> tuple[float, float]:
         return self.carrying.around(i)
+
+    def raws(self, i: int) -> tuple[float, float] | None:
+        return None
 
     def evaluate(self, boxes: Boxes) -> tuple[Floats, Floats]:
         parts = [slice(start, start + CHUNK) for start in range(0, len(boxes), CHUNK)]

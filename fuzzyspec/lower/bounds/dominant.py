@@ -32,6 +32,20 @@ def dominant(strengths: Strengths, bound: CentroidBound | AverageBound, output: 
     return Dominant(where(strengths, box), kernel, min(100, round(100 * shares[kernel] / total)))
 
 
+def added_up(
+    strengths: Strengths, output: int, degrees: tuple[Boxes, list[float]], rest: tuple[Boxes, float, float]
+) -> Dominant:
+    """Of a bound that is added up: where degrees' roundings do most and each input's part; where all the rest does."""
+    controller = strengths.controller
+    name = controller.outputs[output].name
+    shares = {f"degrees of {i.name}": s for i, s in zip(controller.inputs, degrees[1], strict=True)}
+    shares |= {f"areas and moments of {name}": rest[1], f"quotient and rounding of {name}": rest[2]}
+    kernel = max(shares, key=lambda k: shares[k])
+    of_degrees = sum(degrees[1]) > rest[1] + rest[2]
+    percent = round(100 * shares[kernel] / (sum(shares.values()) or 1.0))
+    return Dominant(where(strengths, degrees[0] if of_degrees else rest[0]), kernel, percent)
+
+
 def dominant_edge(
     controller: Controller, output: Output, edges: tuple[Fraction, ...], off: list[Fraction], rounding: Fraction
 ) -> Dominant:

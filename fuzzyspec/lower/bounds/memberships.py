@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -62,19 +63,19 @@ class Membership:
 
     def over(self, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
         """Least and largest membership over each closed interval ``lo .. hi``."""
-        ends = [self._at(lo), self._at(hi)]
+        ends = [self._at(lo, "right"), self._at(hi, "left")]
         least, most = np.minimum(*ends), np.maximum(*ends)
         for x, low, high in zip(self.x, self.low, self.high, strict=True):
-            inside = (lo <= x) & (x <= hi)
-            least = np.where(inside, np.minimum(least, low), least)
-            most = np.where(inside, np.maximum(most, high), most)
+            # At a jump the largest value holds; of its limits those count that the interval comes to from inside.
+            least = np.where((lo < x) & (x < hi), np.minimum(least, low), np.where((lo == x) & (hi == x), high, least))
+            most = np.where((lo <= x) & (x <= hi), np.maximum(most, high), most)
         # Exactly 0 and exactly 1 are kept: the integer degree is exact there.
         low = np.where(least >= 1, 1.0, np.maximum(least - SLACK, 0.0))
         return low, np.where(most <= 0, 0.0, np.minimum(most + SLACK, 1.0))
 
-    def _at(self, t: Floats) -> Floats:
-        """The value off the breakpoints, where ``over`` adds what holds there."""
-        j = np.searchsorted(self.x, t, side="right") - 1
+    def _at(self, t: Floats, side: Literal["left", "right"] = "right") -> Floats:
+        """The value off the breakpoints, the limit from one side on them."""
+        j = np.searchsorted(self.x, t, side=side) - 1
         last = len(self.x) - 1
         k = np.clip(j, 0, last)
         n = np.minimum(k + 1, last)

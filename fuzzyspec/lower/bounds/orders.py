@@ -86,13 +86,32 @@ class Pieces:
         return replace(self, lo=lo, hi=hi).at((lo <= hi).all(axis=1))
 
 
-def pieces_of(strengths: Strengths, output: int) -> Pieces:
-    """Every piece of a controller, for one of its outputs and inputs off by the strengths' errors; alike ones once."""
+def slid(strengths: Strengths) -> list[list[float]]:
+    """By input and pair of neighbouring peaks, how far degrees move while the inputs move by the strengths' errors."""
+    found: list[list[float]] = []
+    for item, error in zip(strengths.controller.inputs, strengths.errors, strict=True):
+        assert item.peaks is not None
+        span = item.variable.hi - item.variable.lo
+        found.append([error / float((b - a) / span) for a, b in itertools.pairwise(item.peaks)])
+    return found
+
+
+def rounded(strengths: Strengths) -> list[list[float]]:
+    """By input and pair of neighbouring peaks, how far degrees are moved by their rounding."""
+    own = zip(strengths.controller.inputs, strengths.numbers.degree_errors, strict=True)
+    return [[float(error)] * (len(item.terms) - 1) for item, error in own]
+
+
+def pieces_of(strengths: Strengths, output: int, moves: list[list[float]], *, beyond: bool = False) -> Pieces:
+    """Every piece of a controller, for one of its outputs and degrees that move so far; alike ones once.
+
+    ``beyond``: they move so far from where the inputs may be, and not because inputs may be there.
+    """
     controller = strengths.controller
     cells = controller.cells
     assert cells is not None
     n = len(controller.inputs)
-    sides = [_sides(strengths, i) for i in range(n)]
+    sides = [_sides(strengths, i, moves[i], beyond) for i in range(n)]
     chosen = np.stack([g.ravel() for g in np.meshgrid(*(np.arange(len(s)) for s in sides), indexing="ij")], axis=1)
     # (choices, inputs): which terms are major and minor there, how far the minor moves, where it can lie.
     major, minor, moved, low, high = (
@@ -122,7 +141,7 @@ def pieces_of(strengths: Strengths, output: int) -> Pieces:
     return pieces.at(np.sort(once))
 
 
-def _sides(strengths: Strengths, i: int) -> Floats:
+def _sides(strengths: Strengths, i: int, moves: list[float], beyond: bool) -> Floats:
     """By pair of neighbouring terms and by which of them is the minor: major, minor, how far its degree moves, and the
     ends between which it lies (none where the first is above the second)."""
     item = strengths.controller.inputs[i]
@@ -130,17 +149,17 @@ def _sides(strengths: Strengths, i: int) -> Floats:
     lo, span = item.variable.lo, item.variable.hi - item.variable.lo
     ends = strengths.around(i)
     rows = []
-    for j, pair in enumerate(itertools.pairwise(item.peaks)):
+    for j, (pair, rise) in enumerate(zip(itertools.pairwise(item.peaks), moves, strict=True)):
         a, b = (float((p - lo) / span) for p in pair)
         # Before the first peak and beyond the last one a degree stays what it is at the peak.
         at = [(x - a) / (b - a) for x in ends]
         whole = strengths.raws is None
-        upper = [0.0, 1.0] if whole else [max(0.0, at[0] - NEAR), min(1.0, at[1] + NEAR)]
+        near = NEAR + (rise if beyond else 0.0)
+        upper = [0.0, 1.0] if whole else [max(0.0, at[0] - near), min(1.0, at[1] + near)]
         first = j == 0 and at[1] < 0
         last = j == len(item.peaks) - 2 and at[0] > 1
         if first or last:
             upper = [0.0, 0.0] if first else [1.0, 1.0]
-        rise = strengths.errors[i] / (b - a)
         rows.append([j, j + 1, rise, upper[0], min(0.5, upper[1])])
         rows.append([j + 1, j, rise, 1 - upper[1], min(0.5, 1 - upper[0])])
     return np.array(rows)

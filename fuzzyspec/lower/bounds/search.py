@@ -27,6 +27,8 @@ CLOSE_ENOUGH = 1.05
 CHUNK = 4096
 NARROWEST = 2.0**-22
 """A box over which no degree moves by more is not split: what is left there is a jump, or rounding."""
+LITTLE = 2.0**-20
+"""Of a raw's step: far more than float64 leaves open about where a raw lies, far less than lies between two."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,7 @@ def bound_at_once(
                 error, dominants[output.name] = rounded, otherwise_rounded(output)
         errors[output.name] = error
         reasons[output.name] = (
-            _reason(found.parts[o]) if bound < 1 else search.failure or _why_none(controller.outputs[o].name)
+            reason_of(found.parts[o]) if bound < 1 else search.failure or _why_none(controller.outputs[o].name)
         )
     return ControllerBounds(errors, reasons, certified, decision_bands(numbers, strengths), dominants)
 
@@ -109,7 +111,7 @@ def _multilinear(numbers: ControllerNumbers, strengths: Strengths) -> Controller
         moved = sum((e * d for e, d in zip(found.edges, off, strict=True)), Fraction(0))
         rounded = found.rounding * abs(output.variable.raw.step) / span
         errors[output.name] = min(moved + rounded, Fraction(1)) * span
-        reasons[output.name] = _reason((float(moved), float(rounded), 0.0))
+        reasons[output.name] = reason_of((float(moved), float(rounded), 0.0))
         certified[output.name] = moved + rounded < 1
         dominants[output.name] = dominant_edge(controller, output, found.edges, off, rounded)
     return ControllerBounds(errors, reasons, certified, decision_bands(numbers, strengths), dominants)
@@ -119,7 +121,8 @@ def _why_none(name: str) -> str:
     return f"the area of {name} can come too near 0 for the errors of its degrees"
 
 
-def _reason(parts: tuple[float, float, float]) -> str:
+def reason_of(parts: tuple[float, float, float]) -> str:
+    """The parts of a bound in words."""
     total = sum(parts) or 1.0
     shares = [round(100 * p / total) for p in parts]
     return f"degrees {shares[0]} %, areas and moments {shares[1]} %, quotient and rounding {shares[2]} %"
@@ -194,9 +197,10 @@ class Search:
             chosen = open_[np.argsort(-score[open_], kind="stable")[:room]]
             children = self._split(boxes, chosen)
             more, more_parts = self.evaluate(children)
-            higher, where = self._points(children, more)
-            at = np.where((higher > floor)[:, None], where, at)
-            floor = np.maximum(floor, higher)
+            if len(children):
+                higher, where = self._points(children, more)
+                at = np.where((higher > floor)[:, None], where, at)
+                floor = np.maximum(floor, higher)
             keep = np.ones(len(boxes), dtype=bool)
             keep[chosen] = False
             # A box that is already below what some point needs will never be the worst one.
@@ -206,7 +210,7 @@ class Search:
             floor = np.maximum(floor, closed / CLOSE_ENOUGH)
             total = np.concatenate([total[keep], more])
             parts = np.concatenate([parts[keep], more_parts])
-            looked += len(children)
+            looked += 2 * len(chosen)
         bounds = np.maximum(total.max(axis=0, initial=0.0), floor * CLOSE_ENOUGH)
         if not len(total):
             return Found([float(b) for b in bounds], [(0.0, 0.0, 0.0)] * len(bounds), Boxes(at, at))
@@ -226,6 +230,7 @@ class Search:
         grids_lo = np.meshgrid(*(c[:-1] for c in cuts), indexing="ij")
         grids_hi = np.meshgrid(*(c[1:] for c in cuts), indexing="ij")
         boxes = Boxes(np.stack([g.ravel() for g in grids_lo], axis=1), np.stack([g.ravel() for g in grids_hi], axis=1))
+        boxes = self._around_raws(boxes)
         if self.strengths.controller.cells is not None:
             active = math.prod(
                 int((np.stack([b.hi for b in row], axis=1) > 0).sum(axis=1).max())
@@ -240,6 +245,27 @@ class Search:
         """What an input is looked at over, relative to its range."""
         return self.strengths.legal(i)
 
+    def raws(self, i: int) -> tuple[float, float] | None:
+        """The first legal raw of an input and their distance, relative to its range; None where any value counts."""
+        variable = self.strengths.controller.inputs[i].variable
+        return self.strengths.legal(i)[0], float(abs(variable.raw.step) / (variable.hi - variable.lo))
+
+    def _around_raws(self, boxes: Boxes) -> Boxes:
+        """What of the boxes holds raws: each drawn in to a little before its first and behind its last."""
+        lo, hi = boxes.lo.copy(), boxes.hi.copy()
+        some = np.ones(len(boxes), dtype=np.bool_)
+        for i in range(lo.shape[1]):
+            grid = self.raws(i)
+            if grid is None:
+                continue
+            start, step = grid
+            first = np.ceil((lo[:, i] - start) / step - LITTLE)
+            last = np.floor((hi[:, i] - start) / step + LITTLE)
+            some &= first <= last
+            lo[:, i] = np.maximum(lo[:, i], start + (first - LITTLE) * step)
+            hi[:, i] = np.minimum(hi[:, i], start + (last + LITTLE) * step)
+        return Boxes(lo[some], hi[some])
+
     def _points(self, boxes: Boxes, total: Floats) -> tuple[Floats, Floats]:
         """The lemma's value at the middle of the worst boxes, what no splitting gets below; and the inputs there."""
         count = min(len(boxes), 64)
@@ -247,6 +273,10 @@ class Search:
             np.concatenate([np.argsort(-total[:, o], kind="stable")[:count] for o in range(total.shape[1])])
         )
         middle = (boxes.lo[chosen] + boxes.hi[chosen]) / 2
+        for i in range(middle.shape[1]):
+            grid = self.raws(i)
+            if grid is not None:
+                middle[:, i] = grid[0] + np.round((middle[:, i] - grid[0]) / grid[1]) * grid[1]
         found, _ = self.evaluate(Boxes(middle, middle))
         return found.max(axis=0), middle[found.argmax(axis=0)]
 
@@ -258,12 +288,12 @@ class Search:
         left_hi, right_lo = hi.copy(), lo.copy()
         left_hi[row, side] = middle
         right_lo[row, side] = middle
-        return Boxes(np.concatenate([lo, right_lo]), np.concatenate([left_hi, hi]))
+        return self._around_raws(Boxes(np.concatenate([lo, right_lo]), np.concatenate([left_hi, hi])))
 
     def evaluate(self, boxes: Boxes) -> tuple[Floats, Floats]:
         """Bounds (B, outputs) and their parts (B, outputs, 3)."""
-        totals: list[Floats] = []
-        pieces: list[Floats] = []
+        totals: list[Floats] = [np.zeros((0, len(self.outputs)))]
+        pieces: list[Floats] = [np.zeros((0, len(self.outputs), 3))]
         for start in range(0, len(boxes), CHUNK):
             part = slice(start, start + CHUNK)
             levels = self.strengths.levels(Boxes(boxes.lo[part], boxes.hi[part]))

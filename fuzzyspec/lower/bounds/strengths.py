@@ -14,7 +14,7 @@ from typing import assert_never
 import numpy as np
 import numpy.typing as npt
 
-from fuzzyspec.lower.bounds.memberships import Floats, Membership, membership
+from fuzzyspec.lower.bounds.memberships import SLACK, Floats, Membership, membership
 from fuzzyspec.lower.controller import ControllerNumbers
 from fuzzyspec.model.controller import And, Antecedent, Controller, Is, Not, Or
 
@@ -239,9 +239,9 @@ class Strengths:
             return Band(lo, hi, off)
         result = parts[0]
         for b in parts[1:]:
-            # a + b - a b grows with both.
+            # a + b - a b grows with both, with either by what the other leaves: half-way between its two values.
             lo_, hi_ = (result.lo + b.lo - result.lo * b.lo, result.hi + b.hi - result.hi * b.hi)
-            result = Band(lo_, hi_, result.off + b.off)
+            result = Band(lo_, hi_, result.off * _left_by(b) + b.off * _left_by(result))
         return result
 
     def sentence(self, node: Antecedent, degrees: list[list[Band]]) -> Band:
@@ -258,3 +258,9 @@ class Strengths:
                 return self.either([self.sentence(o, degrees) for o in operands])
             case _:
                 assert_never(node)
+
+
+def _left_by(b: Band) -> Floats:
+    """The most that half-way between a degree's two values leaves of 1."""
+    most: Floats = 1.0 + SLACK - np.maximum(b.lo - b.off / 2, 0.0)
+    return most
