@@ -18,7 +18,7 @@ ifneq ($(shell "$(PYTHON)" -V 2>&1),$(shell .venv/bin/python -V 2>&1))
 endif
 endif
 
-.PHONY: help demo test lint pytest test-long wheel generated bench fit limits fuzz prove clean compiler
+.PHONY: help demo test lint pytest test-long wheel generated bench fit limits campaign fuzz prove clean compiler
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -57,10 +57,13 @@ fit: .venv/for-test ## measure what has changed of the cost model's training set
 limits: .venv/for-test ## measure how near the generated C comes to the counted limit; write the tables of docs/limit.md
 	@$(BIN)/python -m scripts.limits
 
+N ?= 1000
+campaign: .venv/for-test ## a thousand random specs (N, from SEED on) through everything; failures are made small: hours
+	@$(BIN)/python -m tests.random_specs.campaign --specs $(N) --seed $(or $(SEED),0)
+
 RUNS ?= 1000000
-SEED ?= 1
 fuzz: .venv/for-fuzz ## a million inputs (RUNS, from SEED on) through parser and checker, guided by coverage: an hour
-	@$(BIN)/python -m tests.breaking.fuzz --runs $(RUNS) --seed $(SEED) --jobs 2
+	@$(BIN)/python -m tests.breaking.fuzz --runs $(RUNS) --seed $(or $(SEED),1) --jobs 2
 
 prove: .venv/for-test ## prove every C of the examples, workloads and ten random specs free of alarms (Frama-C): an hour
 	@$(BIN)/python -m scripts.prove_all

@@ -51,7 +51,12 @@ class Controllers:
         inputs: dict[str, Ranged] = {}
         labels: dict[str, list[str]] = {}
         strong = True
+        alike = count > 1 and r.random() < 0.15
         for i, n in enumerate(names):
+            if i == 1 and alike:
+                inputs[n], labels[n] = inputs[names[0]], labels[names[0]]
+                lines[0] = lines[0].replace(f"input {names[0]} in", f"input {names[0]}, {n} in", 1)
+                continue
             inputs[n] = self.numbers.ranged()
             labels[n] = [f"{'ABCDE'[i]}{k}" for k in range(r.randint(2, most))]
             text, is_strong = self.terms.of_input(labels[n], inputs[n], 0.4 if spoken else 0.15)
@@ -65,8 +70,8 @@ class Controllers:
         outputs: dict[str, Ranged] = {}
         made: list[_Out] = []
         holds = False
-        for o in range(r.choice((1, 1, 2))):
-            out = _Out(f"y{o}", [f"{'YZ'[o]}{k}" for k in range(r.randint(2, 7))])
+        for o in range(r.choice((1, 1, 1, 2, 2, 3))):
+            out = _Out(f"y{o}", [f"{'YZW'[o]}{k}" for k in range(r.randint(2, 7))])
             outputs[out.name] = over = self.numbers.ranged()
             text = self.terms.of_output(out.terms, over, sugeno)
             if "term" in text and not sugeno:
@@ -88,6 +93,8 @@ class Controllers:
             behaviors = True
         else:
             lines += [self.table(self.some(labels), [o]) for o in made]
+        if not spoken and not behaviors and r.random() < 0.04:
+            lines.append("  rules { }")
         text = "\n".join([f"controller {name} {{", *lines, "}"])
         return Written(name, text, inputs, outputs, behaviors, holds)
 
@@ -107,7 +114,8 @@ class Controllers:
                 settings["defuzzify"] = "weighted_average"
         if not settings:
             return [], False
-        return [f"  infer {{ {', '.join(f'{k} = {v}' for k, v in settings.items())} }}"], "and" in settings
+        comma = self.dice.choice(("", "", ","))
+        return [f"  infer {{ {', '.join(f'{k} = {v}' for k, v in settings.items())}{comma} }}"], "and" in settings
 
     def otherwise(self, over: Ranged) -> str:
         """What an output is when nothing fires; an end of the range often."""

@@ -63,7 +63,7 @@ class Systems:
             call = f"c{i}"
             arguments = [f"{n}: {self.placed(over)}" for n, over in c.inputs.items()]
             r.shuffle(arguments)
-            lines.append(f"  let {call} = {c.name}({', '.join(arguments)})")
+            lines.append(f"  let {call} = {c.name}({', '.join(arguments)}{r.choice(('', '', ','))})")
             self.scope.values += [self.read(f"{call}.{o}", over) for o, over in c.outputs.items()]
             if c.behaviors:
                 acting.append(call)
@@ -107,7 +107,7 @@ class Systems:
             capacity = self.dice.choice((1, 2, 3, 16, 255))
             fields = {f"f{k}": self.numbers.ranged() for k in range(self.dice.randint(1, 3))}
             declared = ", ".join(f"{f} in {over}" for f, over in fields.items())
-            lines.append(f"  input {name}[{capacity}] {{ {declared} }}")
+            lines.append(f"  input {name}[{capacity}] {{ {declared}{self.dice.choice(('', '', ','))} }}")
             self.scope.lists[name] = [self.read(f"o.{f}", over) for f, over in fields.items()]
             self.scope.capacity[name] = capacity
         for name in self.scope.lists:
@@ -125,7 +125,7 @@ class Systems:
         """``for each`` with lets, and a call where a controller holds nothing."""
         self.scope.element = list(self.scope.lists[name])
         body: list[str] = []
-        for k in range(self.dice.randint(1, 2)):
+        for k in range(self.dice.choice((1, 1, 1, 2, 2, 2, 0))):
             value = self.any()
             body.append(f"    let o.g{turn}{k} = {value.text}")
             self.scope.element.append(Value(f"o.g{turn}{k}", value.dim, value.lo, value.hi))
@@ -326,7 +326,7 @@ class Systems:
         r = self.dice
         if depth and r.random() < 0.25:
             joint = r.choice((" and ", " or "))
-            return f"({joint.join(self.test(0) for _ in range(2))})"
+            return f"({joint.join(self.test(0) for _ in range(r.choice((2, 2, 3))))})"
         if r.random() < 0.1:
             return f"not ({self.test(0)})"
         a = r.choice([*self.scope.element, *self.scope.element, *self.scope.values])
