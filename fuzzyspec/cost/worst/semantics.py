@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import reduce
 from typing import assert_never
 
 from fuzzyspec.cost.worst.code import (
@@ -30,7 +29,17 @@ from fuzzyspec.cost.worst.code import (
     ShiftRight,
     Subtract,
 )
-from fuzzyspec.cost.worst.state import NO_FLAGS, UNKNOWN_CARRY, Difference, Flags, Outcome, State, extended, joined
+from fuzzyspec.cost.worst.state import (
+    NO_FLAGS,
+    UNKNOWN_CARRY,
+    Difference,
+    Flags,
+    Outcome,
+    State,
+    extended,
+    joined,
+    loss,
+)
 from fuzzyspec.cost.worst.values import (
     Value,
     between,
@@ -325,8 +334,8 @@ def _part(condition: Condition, value: Value, other: Value, bits: int) -> Value 
             return value
 
 
-_MOST_STATES = 2
-"""How many states are told apart behind guarded instructions."""
+_MOST_STATES = 4
+"""How many states are told apart behind guarded instructions: of more, the most alike are joined."""
 
 
 def run(instructions: Sequence[Instruction], state: State) -> list[State]:
@@ -342,8 +351,9 @@ def run(instructions: Sequence[Instruction], state: State) -> list[State]:
         if guarded == 0:
             for one in states:
                 one.assumed = None
-            if len(states) > _MOST_STATES:
-                states = [reduce(joined, states)]
+            while len(states) > _MOST_STATES:
+                _, i, j = min((loss(states[i], states[j]), i, j) for j in range(len(states)) for i in range(j))
+                states[i] = joined(states[i], states.pop(j))
     return states
 
 
