@@ -58,8 +58,8 @@ limits: .venv/for-test ## measure how near the generated C comes to the counted 
 	@$(BIN)/python -m scripts.limits
 
 N ?= 1000
-campaign: .venv/for-test ## a thousand random specs (N, from SEED on) through everything; failures are made small: hours
-	@$(BIN)/python -m tests.random_specs.campaign --specs $(N) --seed $(or $(SEED),0)
+campaign: .venv/for-test ## a thousand random specs and ten times as many damaged ones (N, from SEED on): hours
+	@$(BIN)/python -m tests.random_specs.campaign --specs $(N) --mutants $(N)0 --seed $(or $(SEED),0)
 
 RUNS ?= 1000000
 fuzz: .venv/for-fuzz ## a million inputs (RUNS, from SEED on) through parser and checker, guided by coverage: an hour
