@@ -18,10 +18,10 @@ ifneq ($(shell "$(PYTHON)" -V 2>&1),$(shell .venv/bin/python -V 2>&1))
 endif
 endif
 
-.PHONY: help demo test lint pytest test-long wheel generated bench fit limits campaign fuzz prove clean compiler
+.PHONY: help demo test lint pytest test-long wheel generated bench fit limits campaign fuzz prove mutants mutants-python clean compiler
 
 help: ## this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' Makefile
 	@echo "  make ... PYTHON=/path/to/python3   with another Python (3.11 or later)"
 
 demo: .venv/for-demo ## compile nav.fz, verify it, run the paper's two robots under the generated C
@@ -67,6 +67,13 @@ fuzz: .venv/for-fuzz ## a million inputs (RUNS, from SEED on) through parser and
 
 prove: .venv/for-test ## prove every C of the examples, workloads and ten random specs free of alarms (Frama-C): an hour
 	@$(BIN)/python -m scripts.prove_all
+
+SAMPLE ?= 0
+mutants: .venv/for-test ## all mutants of generated C (SAMPLE of each file) against fuzzyc verify, with the score: hours
+	@$(BIN)/python -m tests.mutation --sample $(SAMPLE)
+
+mutants-python: .venv/for-test ## mutants of the compiler (SAMPLE of a package, else 75) against its tests: an hour
+	@$(BIN)/python -m tests.mutation.python_mutants $(if $(filter-out 0,$(SAMPLE)),--sample $(SAMPLE))
 
 clean: ## remove what make made, .venv too
 	rm -rf .venv out build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

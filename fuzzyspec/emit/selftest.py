@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from fuzzyspec.emit.cprinter import reader_name
-from fuzzyspec.emit.ctypes import count_ctype
+from fuzzyspec.emit.cprinter import literal, reader_name
+from fuzzyspec.emit.ctypes import count_ctype, signed
 from fuzzyspec.emit.header import holds
 from fuzzyspec.emit.layout import code
 from fuzzyspec.emit.names import FunctionNames, Names, Scope
@@ -38,13 +38,18 @@ class Filled:
 
 @dataclass(frozen=True, slots=True)
 class Tested:
-    """One function's vectors; ``states`` is empty or holds the type of its state."""
+    """One function's vectors.
+
+    ``states`` is empty or holds the type of its state, ``inits`` the function that sets it up, as ``begins`` says.
+    """
 
     name: str
     function: str
     input_t: str
     output_t: str
     states: tuple[str, ...]
+    inits: tuple[str, ...]
+    begins: tuple[Check, ...]
     tables: tuple[Printed, ...]
     moves: tuple[tuple[str, ...], ...]
     lists: tuple[Filled, ...]
@@ -115,7 +120,9 @@ def _tested(
         Check(f"out.{own.outputs[p.name]}", tables.read("out", p.name, p.ctype, vectors.outputs[p.name]))
         for p in function.outputs
     ]
+    begins: list[Check] = []
     for key, state in states(program, function):
+        begins.append(Check(f"state.{members[key]}", literal(state.initial, signed(state.ctype)).text))
         before = tables.read("before", key, state.ctype, vectors.state[key])
         moves.append(tuple(code(f"state.{members[key]} = {before};", 1)))
         after = tables.read("after", key, state.ctype, vectors.after[key])
@@ -128,6 +135,8 @@ def _tested(
         input_t=own.input_t,
         output_t=own.output_t,
         states=(own.state_t,) if holds(function) else (),
+        inits=(own.init,) if holds(function) else (),
+        begins=tuple(begins),
         tables=tuple(tables.printed),
         moves=tuple(moves),
         lists=tuple(lists),

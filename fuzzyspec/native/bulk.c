@@ -1,6 +1,8 @@
 /* Cases by the million, made and hashed where they run: two builds that agree on every block's hash agree on every case.
  *
- * Block b of a function is the same everywhere: legal raws mostly, now and then anything that the C type holds.
+ * Block b of a function is the same everywhere: legal raws mostly, now and then anything that the C type holds. Where a
+ * function has few legal inputs and no list, the first blocks hold each of them once instead, in an order that is spread
+ * over all of them.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -26,6 +28,30 @@ static void put(void *array, size_t index, size_t bytes, int64_t value)
     } else {
         ((uint32_t *)array)[index] = (uint32_t)value;
     }
+}
+
+/* Legal inputs that are tried one by one, at most; and a prime by which their order is spread. */
+#define EVERY UINT64_C(9961472)
+#define SPREAD UINT64_C(1000000007)
+
+/* How many legal inputs there are; EVERY where there are as many or more, or lists. */
+static uint64_t inputs(const fuzzycharness_shape *shape)
+{
+    uint64_t many = 1;
+    size_t k;
+    for (k = 0; k < shape->ins; ++k) {
+        const fuzzycharness_slot *const slot = &shape->slots[k];
+        if (slot->list >= 0) {
+            return EVERY;
+        }
+        if (!slot->state) {
+            many *= (uint64_t)(slot->hi - slot->lo + 1);
+            if (many >= EVERY) {
+                return EVERY;
+            }
+        }
+    }
+    return many;
 }
 
 static int64_t draw(const fuzzycharness_slot *slot, size_t width, uint64_t *state)
@@ -57,17 +83,26 @@ void fuzzycharness_draw(size_t function, uint64_t seed, uint64_t block, size_t n
 {
     const fuzzycharness_shape *const shape = &fuzzycharness_shapes[function];
     uint64_t state = (seed + 1u) * UINT64_C(0x9E3779B97F4A7C15) ^ (block + 1u) * UINT64_C(0xD1B54A32D192ED03);
+    const uint64_t many = inputs(shape);
+    const uint64_t first = block * n;
+    uint64_t below = 1;
     size_t k, i;
     if (state == 0) {
         state = 1;
     }
     for (k = 0; k < shape->ins; ++k) {
         const fuzzycharness_slot *const slot = &shape->slots[k];
+        const uint64_t legal = (uint64_t)(slot->hi - slot->lo + 1);
         const size_t width = slot->list < 0 ? 1 : widths[slot->list];
-        const size_t many = n * (slot->count ? 1 : width);
-        for (i = 0; i < many; ++i) {
-            put(in[k], i, slot->bytes, draw(slot, width, &state));
+        const size_t values = n * (slot->count ? 1 : width);
+        for (i = 0; i < values; ++i) {
+            int64_t value = draw(slot, width, &state);
+            if (many < EVERY && !slot->state && first + i < many) {
+                value = slot->lo + (int64_t)((first + i) * SPREAD % many / below % legal);
+            }
+            put(in[k], i, slot->bytes, value);
         }
+        below *= slot->state || many >= EVERY ? 1 : legal;
     }
 }
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from fuzzyspec.fixed.program import ListPort
 from fuzzyspec.verify.draw import Draw, c_limits
+from fuzzyspec.verify.edges import edges
 from fuzzyspec.verify.points import Raws
 from fuzzyspec.verify.subject import Subject
 
@@ -54,6 +55,8 @@ def batches(subject: Subject, seed: int, cases: int = DEFAULT_CASES) -> Iterator
         return
     for kind, inputs in _sets(draw, cases):
         yield from _cut(draw, kind, inputs)
+    for inputs, state in edges(draw, max(cases // 16, 1)):
+        yield Batch("edges", inputs, state)
     if subject.state:
         yield from _traces(draw, cases)
 
@@ -81,6 +84,7 @@ def planned(subject: Subject, cases: int = DEFAULT_CASES, *, with_bulk: bool = F
     traces = cases // 4 if subject.state else 0
     return (
         cases // 2
+        + cases // 8
         + sum(_spans(subject)) * _anchors(subject, cases) // _stride(subject, cases)
         + lists
         + traces

@@ -65,6 +65,10 @@ static uint8_t temperature_fan_differs(uint16_t i)
     temperature_status_t status;
     uint8_t differs = 0U;
 
+    temperature_fan_init(&state);
+    if (state.duty != 0U) {
+        differs = 1U;
+    }
     in.error = TEMPERATURE_READ_S16(temperature_fan_in_error, i);
     in.rate = TEMPERATURE_READ_U16(temperature_fan_in_rate, i);
     state.duty = TEMPERATURE_READ_U8(temperature_fan_before_duty, i);
@@ -128,6 +132,10 @@ static uint8_t temperature_step_differs(uint16_t i)
     temperature_status_t status;
     uint8_t differs = 0U;
 
+    temperature_init(&state);
+    if (state.drive.duty != 0U) {
+        differs = 1U;
+    }
     in.measured = TEMPERATURE_READ_S16(temperature_step_in_measured, i);
     in.set_point = TEMPERATURE_READ_U16(temperature_step_in_set_point, i);
     in.rate = TEMPERATURE_READ_U16(temperature_step_in_rate, i);
