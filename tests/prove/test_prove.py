@@ -16,6 +16,7 @@ from fuzzyspec.lower.strategy import Goal, Target
 from fuzzyspec.prove import WIDTHS, needed, prove
 from fuzzyspec.prove.driver import print_driver
 from tests.conftest import required_tool
+from tests.random_specs.generator import spec as random_spec
 
 ROOT = Path(__file__).resolve().parents[2]
 W1 = ROOT / "benchmarks" / "w1.fz"
@@ -29,6 +30,8 @@ CASES: tuple[tuple[str, Goal, Target], ...] = (
     ("benchmarks/w3", "balanced", "rv32imc"),
 )
 """Each way to divide by loops, by the machine, by a table and without is among them; the rest is `make prove`'s."""
+SEEDS = (1, 3)
+"""Random specs that take a few seconds each."""
 
 
 @pytest.mark.parametrize("bits", WIDTHS)
@@ -40,6 +43,19 @@ def test_no_alarm_is_left(spec: str, goal: Goal, target: Target, bits: int) -> N
     proof = prove(loaded.lower(options).program, loaded.compile(options).files, bits)
     assert proof.alarms == ()
     assert proof.seen > 0
+    assert sum(proof.proved.values()) > 0
+
+
+@pytest.mark.parametrize("bits", WIDTHS)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_alarm_is_left_in_a_random_spec(seed: int, bits: int, tmp_path: Path) -> None:
+    """Specs that nobody has chosen are proved like those that we have; `make prove` tries ten of them."""
+    required_tool("frama-c")
+    path = tmp_path / f"random{seed}.fz"
+    path.write_text(random_spec(seed), encoding="utf-8")
+    loaded = load(path)
+    proof = prove(loaded.lower(Options()).program, loaded.compile(Options()).files, bits)
+    assert proof.alarms == ()
     assert sum(proof.proved.values()) > 0
 
 
