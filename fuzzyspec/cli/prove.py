@@ -91,6 +91,7 @@ def as_text(name: str, proofs: Sequence[Proof]) -> str:
         lines.append(
             f"int of {proof.bits} bits: {proof.reached} of {proof.statements} statements reached, "
             f"{proof.seen} claims seen by EVA, lemmas: {how}; intervals given up: {proof.given_up}"
+            + ("; of states in their ranges, which each call keeps" if proof.kept else "")
         )
         lines += [f"  alarm: {a.function}: {a.kind}: {a.text}" for a in proof.alarms]
     left = sum(len(p.alarms) for p in proofs)

@@ -42,6 +42,7 @@ class Proof:
 
     ``seen``: what EVA showed by itself of the claims put to it. ``proved``: lemmas by what proved them.
     ``given_up``: intervals of the compiler that were not proved, and are not needed for the rest.
+    ``kept``: states hold what the module says they do before a call, and it was shown that they do so after.
     ``reached`` of the ``statements`` of the C, as the analyser counts them, are executed for some input.
     """
 
@@ -52,6 +53,7 @@ class Proof:
     reached: int
     statements: int
     alarms: tuple[Alarm, ...]
+    kept: bool = False
 
     @property
     def ok(self) -> bool:
@@ -66,12 +68,22 @@ def prove(program: Program, files: Mapping[str, bytes], bits: int, progress: Pro
     """Prove the C of ``program`` in ``files`` where ``int`` has ``bits``.
 
     The intervals that the compiler has derived are claims, to be proved like what the analyser asks for, and what later
-    steps may build on. One that is not proved is given up, and all is done again without it.
+    steps may build on. One that is not proved is given up, and all is done again without it. Where states of any value
+    leave an alarm, all is done again with states in their ranges, and it is to be shown that they stay there.
 
     ``progress`` is called with lemmas done, lemmas to do and the function's name. Raises MissingTool where Frama-C or a
     solver is not installed, ``eva.AnalyserFailed`` where the C cannot be analysed.
     """
     needed()
+    proof = _with_states(program, files, bits, progress, False)
+    if proof.ok or not any(f.state or f.nested for f in program.functions):
+        return proof
+    return _with_states(program, files, bits, progress, True)
+
+
+def _with_states(
+    program: Program, files: Mapping[str, bytes], bits: int, progress: Progress | None, kept: bool
+) -> Proof:
     from fuzzyspec.prove import eva
     from fuzzyspec.prove.driver import print_driver
     from fuzzyspec.prove.hints import hints_of
@@ -86,14 +98,14 @@ def prove(program: Program, files: Mapping[str, bytes], bits: int, progress: Pro
         folder = Path(created).resolve()
         for name, content in files.items():
             (folder / name).write_bytes(content)
-        (folder / "fuzzyc_driver.c").write_text(print_driver(program), encoding="utf-8")
+        (folder / "fuzzyc_driver.c").write_text(print_driver(program, kept), encoding="utf-8")
         normal = eva.normalised(folder, [names.source, "fuzzyc_driver.c"], bits)
         while True:
             looks = eva.instrumented(normal, ranges, results, hints, given_up)
             (folder / "fuzzyc_seen.c").write_text(looks, encoding="utf-8")
             proof, unproved = _proved(*eva.analysed(folder, "fuzzyc_seen.c", bits), bits, progress)
             if not unproved or len(given_up) > GIVEN_UP:
-                return replace(proof, given_up=len(given_up))
+                return replace(proof, given_up=len(given_up), kept=kept)
             given_up |= unproved
 
 

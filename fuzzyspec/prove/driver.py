@@ -2,16 +2,19 @@
 
 Inputs, counts and states are read from volatiles, so that the analyser takes them for any value of their C type. An
 array of a list holds as many records as its count says, and no more than its bound.
+
+Where that is too much, states are kept to what the module says they hold: each call begins with any such state, and has
+to leave one behind, as the function that sets a state up has to.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from fuzzyspec.emit.names import FunctionNames, Names, name_module
 from fuzzyspec.fixed.program import Program
-from fuzzyspec.native.layout import Layout, ListSlot, count_ctype, layout_of
+from fuzzyspec.native.layout import Layout, ListSlot, count_ctype, layout_of, states_of
 
 SEPARATE = 8
 """A list whose bound is at most this large is tried with an array for each count; a longer one at its ends."""
@@ -26,20 +29,22 @@ class Room:
     beyond: bool
 
 
-def print_driver(program: Program) -> str:
-    """A translation unit with a ``main`` that calls every function with everything."""
+def print_driver(program: Program, kept: bool = False) -> str:
+    """A translation unit with a ``main`` that calls every function with everything; ``kept``: with states in range."""
     names = name_module(program)
     layouts = [layout_of(program, f, names) for f in program.functions]
     lines = [f'#include "{names.header}"', ""]
     lines += [f"extern {t}_t volatile any_{t};" for t in ("uint8", "int8", "uint16", "int16", "uint32", "int32")]
     drives: list[str] = []
-    for layout in layouts:
+    for function, layout in zip(program.functions, layouts, strict=True):
+        held = states_of(program, function) if kept else {}
+        within = {s.member: (held[s.key].lo, held[s.key].hi) for s in layout.state if s.key in held}
         for rooms in _rooms(layout):
             drives.append(f"drive_{len(drives)}")
-            lines += ["", *_drive(drives[-1], layout, names, rooms)]
+            lines += ["", *_drive(drives[-1], layout, names, rooms, within)]
         if layout.state:
             drives.append(f"drive_{len(drives)}")
-            lines += ["", *_init(drives[-1], layout, names.functions[layout.function])]
+            lines += ["", *_init(drives[-1], layout, names.functions[layout.function], within)]
     lines += ["", "int main(void)", "{", *(f"    {d}();" for d in drives), "    return 0;", "}"]
     return "\n".join(lines) + "\n"
 
@@ -59,7 +64,9 @@ def _sizes(listed: ListSlot) -> list[int]:
     return [0, 1, listed.capacity - 1, listed.capacity]
 
 
-def _drive(name: str, layout: Layout, names: Names, rooms: tuple[Room, ...]) -> Iterator[str]:
+def _drive(
+    name: str, layout: Layout, names: Names, rooms: tuple[Room, ...], within: Mapping[str, tuple[int, int]]
+) -> Iterator[str]:
     c = names.functions[layout.function]
     yield f"static void {name}(void)"
     yield "{"
@@ -74,10 +81,19 @@ def _drive(name: str, layout: Layout, names: Names, rooms: tuple[Room, ...]) -> 
         yield from _array(listed, room, layout, c)
     for slot in layout.state:
         yield f"    state.{slot.member} = any_{slot.ctype};"
+    for member, (lo, hi) in within.items():
+        yield f"    if (state.{member} < {lo}) return;"
+        yield f"    if (state.{member} > {hi}) return;"
     yield f"    (void){c.function}({'&state, ' if layout.state else ''}&in, &out);"
     for slot in layout.outputs:
         yield f"    /*@ assert \\initialized(&out.{slot.member}); */"
+    yield from _leaves(within)
     yield "}"
+
+
+def _leaves(within: Mapping[str, tuple[int, int]]) -> Iterator[str]:
+    for member, (lo, hi) in within.items():
+        yield f"    /*@ assert {lo} <= state.{member} <= {hi}; */"
 
 
 def _array(listed: ListSlot, room: Room, layout: Layout, c: FunctionNames) -> Iterator[str]:
@@ -99,11 +115,12 @@ def _array(listed: ListSlot, room: Room, layout: Layout, c: FunctionNames) -> It
         yield f"    in.{count} = {room.least};"
 
 
-def _init(name: str, layout: Layout, c: FunctionNames) -> Iterator[str]:
+def _init(name: str, layout: Layout, c: FunctionNames, within: Mapping[str, tuple[int, int]]) -> Iterator[str]:
     yield f"static void {name}(void)"
     yield "{"
     yield f"    {c.state_t} state;"
     yield f"    {c.init}(&state);"
     for slot in layout.state:
         yield f"    /*@ assert \\initialized(&state.{slot.member}); */"
+    yield from _leaves(within)
     yield "}"

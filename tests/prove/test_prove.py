@@ -107,6 +107,42 @@ def test_a_list_is_read_no_further_than_its_count(tmp_path: Path) -> None:
         assert any(a.kind == "mem_access" for a in alarms)
 
 
+HELD = """\
+module held
+controller fan {
+    input x in [0, 10] K raw uint8 0..100 { partition low high }
+    output y in [0, 10] K raw int16 step 0.1 {
+        singletons SLOW FAST
+        otherwise hold initial 1 K
+    }
+    fires at 1/2
+    rules { if x is low then y is SLOW with 0.8  if x is high then y is FAST with 0.8 }
+}
+system held {
+    input x in [0, 10] K raw uint8 0..100
+    let y = fan(x: x)
+    output z in [0, 100] = (y.y * y.y) / (1 K * 1 K)
+}
+"""
+
+
+def test_a_state_is_shown_to_keep_its_range(tmp_path: Path) -> None:
+    """Where any state were too much, one in range is enough, unless a call or the setting up leaves the range."""
+    required_tool("frama-c")
+    path = tmp_path / "held.fz"
+    path.write_text(HELD)
+    loaded = load(path)
+    program, files = loaded.lower(Options()).program, dict(loaded.compile().files)
+    proof = prove(program, files, 32)
+    assert proof.alarms == ()
+    assert proof.kept
+    source = files["held.c"].decode()
+    for old, new in (("state->y = 10;", "state->y = -1;"), ("state->y = (int16_t)y_steps", "state->y = (int16_t)-1")):
+        assert old in source
+        faulty = prove(program, files | {"held.c": source.replace(old, new, 1).encode()}, 32)
+        assert any(a.kind.startswith("given_") for a in faulty.alarms)
+
+
 def test_the_driver_leaves_nothing_out() -> None:
     """Every function is called, with every input, count and record from where the analyser takes any value."""
     program = load(ROOT / "examples" / "nav.fz").lower(Options()).program
