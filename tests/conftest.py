@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import os
 import shutil
-from typing import NoReturn
+from importlib import import_module
+from typing import Any, NoReturn
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -32,3 +33,11 @@ def without(reason: str) -> NoReturn:
 def required_tool(name: str) -> str:
     """The path of a program that the test cannot do without."""
     return shutil.which(name) or without(f"{name} is not installed")
+
+
+def required_package(name: str) -> Any:
+    """The Python package that the test cannot do without."""
+    try:
+        return import_module(name)
+    except ImportError:
+        without(f"the package {name} is not installed")

@@ -22,7 +22,7 @@ from benchmarks.results import Results, as_json, from_json
 from benchmarks.workloads import WORKLOADS, Workload
 from fuzzyspec.native import find_toolchain
 from tests.benchmarks.hand_written import sampled
-from tests.conftest import without
+from tests.conftest import required_package, without
 from tests.cost.cost_specs import compiler_for
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -123,7 +123,7 @@ def test_peers_are_given_the_controller_itself(workload: Workload) -> None:
 @pytest.mark.parametrize("peer", [name for name in PEERS if name.startswith("scikit")])
 def test_scikit_fuzzy_is_measured_or_left_out_with_a_reason(peer: str) -> None:
     """W2 by either of its interfaces has an error and a time; W3s is not for it."""
-    pytest.importorskip("skfuzzy")
+    required_package("skfuzzy")
     w2, w3s = (next(w for w in WORKLOADS if w.name == name) for name in ("W2", "W3s"))
     entry = measure_peer(peer, task_of(w2, 20, 20))
     assert entry.error is not None

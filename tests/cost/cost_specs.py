@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import pytest
-
 from fuzzyspec.diagnostics.refusal import MissingTool
 from fuzzyspec.machines.machine import emulator_of
 from fuzzyspec.machines.toolchains import TARGETS, CrossCompiler, Kind, find_compiler
-from tests.conftest import required_tool, without
+from tests.conftest import required_package, required_tool, without
 
 PLAIN = """\
 module plain
@@ -53,8 +51,8 @@ def compiler_for(target: str, kind: Kind | None = None) -> CrossCompiler:
     if emulator_of(found) == "simavr":
         required_tool("simavr")
     else:
-        pytest.importorskip(emulator_of(found))
-    pytest.importorskip("elftools")
+        required_package(emulator_of(found))
+    required_package("elftools")
     return found
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from fuzzyspec.cost.prices import CORES, STEPS, price
+from tests.conftest import required_tool
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "limit.md").read_text(encoding="utf-8")
 ASSEMBLERS: Mapping[str, tuple[str, ...]] = {
@@ -74,8 +74,7 @@ def test_a_price_is_the_length_of_its_sequence(core: str) -> None:
 def test_the_sequences_are_instructions_of_their_core(core: str, tmp_path: Path) -> None:
     """GNU's assembler takes every line for that very CPU; branches lead to where the step ends."""
     command = ASSEMBLERS[core]
-    if shutil.which(command[0]) is None:
-        pytest.skip(f"{command[0]} is not installed")
+    required_tool(command[0])
     syntax = ".syntax unified\n" if core.startswith("cortex") else ""
     listed = re.sub(r"^(?=\w+:)", "1:\n", sequences(core), flags=re.MULTILINE)
     (tmp_path / "steps.s").write_text(f"{syntax}{listed}1:\n", encoding="utf-8")
@@ -107,8 +106,7 @@ QUOTIENT = "u32 quotient(u32 num, u32 den) { return ((num << 8) / den << 8) + ((
 def test_no_compiler_beats_a_price(core: str, tmp_path: Path) -> None:
     """gcc -O2, its return left out, takes no less than is counted for a step; for most of them just as much."""
     command = ASSEMBLERS[core]
-    if shutil.which(command[0]) is None:
-        pytest.skip(f"{command[0]} is not installed")
+    required_tool(command[0])
     (tmp_path / "steps.c").write_text(KERNELS + ("" if core == "cortex-m0plus" else QUOTIENT), encoding="utf-8")
     built = tmp_path / "steps.o"
     subprocess.run([*command, "-O2", "-c", "-o", str(built), str(tmp_path / "steps.c")], check=True)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from fuzzyspec.exact import Point, controller_point, evaluate_controller
 from fuzzyspec.model.controller import And, Antecedent, Controller, Fallback, Inference, Is, Not, Or, Output
 from fuzzyspec.model.term import PiecewiseLinear, Singleton
+from tests.conftest import required_package
 from tests.exact.exact_models import (
     controller,
     grid,
@@ -100,7 +101,7 @@ def tables_of_traps(draw: st.DrawFn) -> Controller:
 @given(st.data())
 def test_scikit_fuzzy(data: st.DataObject) -> None:
     """scikit-fuzzy's membership functions, np.fmin, np.fmax and centroid give the same."""
-    skfuzzy = pytest.importorskip("skfuzzy")
+    skfuzzy = required_package("skfuzzy")
     model = data.draw(tables_of_traps())
     drawn = data.draw(points_of(model))
     point = controller_point(model, drawn)

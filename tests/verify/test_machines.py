@@ -13,7 +13,7 @@ from fuzzyspec.cli.verify import LEVELS, MACHINES
 from fuzzyspec.emit import write
 from fuzzyspec.verify import LEVELS as ALL_LEVELS
 from fuzzyspec.verify import NAMES
-from tests.conftest import required_tool
+from tests.conftest import required_package, required_tool
 from tests.verify import verify_specs
 
 FEW = ["--cases", "300", "--target-cases", "200", "--no-sanitize", "--format", "json"]
@@ -24,7 +24,7 @@ TARGETS = ("host", "cortex-m0plus", "cortex-m4", "rv32imc", "avr", "mips-be", "w
 def tools() -> None:
     """What runs the targets' images, and a compiler for each."""
     for package in ("unicorn", "elftools", "wasmtime", "ziglang"):
-        pytest.importorskip(package)
+        required_package(package)
     required_tool("simavr")
     required_tool("avr-gcc")
 
