@@ -33,6 +33,7 @@ SHORT: tuple[tuple[str, Goal, Target], ...] = (
     ("benchmarks/w1", "balanced", "avr"),
     ("benchmarks/w2", "speed", "cortex-m0plus"),
     ("benchmarks/w3s", "balanced", "generic"),
+    ("random 4", "balanced", "generic"),
     ("random 8", "speed", "cortex-m0plus"),
 )
 CHOICES: tuple[tuple[Goal, Target], ...] = (
@@ -46,7 +47,12 @@ LONG = [
     for name in ("examples/tipper", "examples/temperature", "benchmarks/w1", "benchmarks/w2", "benchmarks/w3s")
     for goal, target in CHOICES
     if (name, goal, target) not in SHORT
-] + [("random 8", "balanced", "generic"), ("examples/nav", "size", "generic"), ("examples/nav", "balanced", "avr")]
+] + [
+    ("random 4", "speed", "cortex-m0plus"),
+    ("random 8", "balanced", "generic"),
+    ("examples/nav", "size", "generic"),
+    ("examples/nav", "balanced", "avr"),
+]
 CEILING = {"examples/nav": (r"\(\w+_area > \w+_overlap\)", 1 << 12)}
 """Where the search for an input comes to no end: outcomes that have not come up and may yet be left, and its boxes.
 

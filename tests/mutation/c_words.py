@@ -18,6 +18,7 @@ Word: TypeAlias = "int | bitwuzla.Term"
 
 MASK = 0xFFFF_FFFF
 WIDTHS = {
+    "unsigned char": (8, False),
     "uint8_t": (8, False),
     "int8_t": (8, True),
     "uint16_t": (16, False),
