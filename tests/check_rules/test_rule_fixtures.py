@@ -6,7 +6,7 @@ import pytest
 
 from fuzzyspec.diagnostics import codes_rules
 from fuzzyspec.diagnostics.codes import REGISTRY
-from tests.check_rules.specs import FIXTURES, from_file
+from tests.check_rules.specs import FIXTURES, from_file, from_text
 
 BROKEN = sorted(FIXTURES.glob("fz3*.fz"))
 
@@ -43,3 +43,13 @@ def test_sound_rules_are_left_alone():
     model, found, _ = from_file(FIXTURES / "ok_rules.fz")
     assert found == ()
     assert model is not None
+
+
+@pytest.mark.parametrize(
+    ("lost", "told"), [("b is S", "1 cell"), ("b in {S, M}", "2 cells"), ("b is not S", "2 cells")]
+)
+def test_cells_that_are_lost_are_counted(lost, told):
+    """A rule that never wins is told to which behavior it lost, and how many cells: one is not many."""
+    text = (FIXTURES / "fz306_rule_never_wins.fz").read_text(encoding="utf-8").replace("b is S", lost)
+    _, (found,) = from_text(text.removeprefix("module broken"))
+    assert found.label == f"lost to STOP ({told})"

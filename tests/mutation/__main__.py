@@ -19,7 +19,15 @@ CHOICES = (
     Options(optimize="size", target="cortex-m0plus"),
     Options(target="avr"),
 )
-SPECS = ("examples/tipper", "examples/temperature", "examples/nav", "benchmarks/w1", "benchmarks/w2", "benchmarks/w3s")
+SPECS = (
+    "examples/tipper",
+    "examples/temperature",
+    "examples/nav",
+    "benchmarks/w1",
+    "benchmarks/w2",
+    "benchmarks/w3",
+    "benchmarks/w3s",
+)
 SEEDS = (3, 5, 8)
 
 

@@ -13,6 +13,7 @@ from fuzzyspec.lower import Options
 from fuzzyspec.native.workspace import PRODUCT
 from tests.mutation.c_mutants import Mutant
 from tests.mutation.c_proof import Unit, shown_equal, unit
+from tests.mutation.c_sweep import swept_equal
 from tests.mutation.c_trial import FOUND, Trial
 
 
@@ -35,10 +36,11 @@ class Score:
 
     def __str__(self) -> str:
         means = ", ".join(f"{self.ends[v]} {v}" for v in FOUND if self.ends[v])
-        equal = self.ends["same object"] + self.ends["shown equal"]
+        equal = sum(self.ends[v] for v in ("same object", "shown equal", "every input"))
         return (
             f"{sum(self.ends.values())} mutants, {self.ends['no C']} no C; {self.killed} killed ({means}); "
-            f"{equal} shown equal ({self.ends['same object']} the same object, {self.ends['shown equal']} by proof); "
+            f"{equal} shown equal ({self.ends['same object']} the same object, {self.ends['shown equal']} by proof, "
+            f"{self.ends['every input']} by every input); "
             f"{len(self.left)} left: {self.percent:.2f} %"
         )
 
@@ -55,6 +57,8 @@ def score(text: str, options: Options, most: int | None, seed: int = 7) -> Score
             end: str = trial.verdict(mutant)
             if end == "survived" and judge.equal(mutant):
                 end = "shown equal"
+            elif end == "survived" and swept_equal(trial, mutant):
+                end = "every input"
             found.ends[end] += 1
             if end == "survived":
                 found.left.append(f"{trial.name} ({options.optimize}, {options.target}) {mutant}")

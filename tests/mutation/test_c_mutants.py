@@ -11,6 +11,7 @@ from fuzzyspec.lower import Options
 from tests.conftest import required_tool
 from tests.mutation.c_mutants import mutants, parse
 from tests.mutation.c_score import Equal, sampled, score
+from tests.mutation.c_sweep import swept_equal
 from tests.mutation.c_trial import FOUND, Trial
 from tests.verify import verify_specs
 
@@ -24,9 +25,11 @@ def compilers() -> None:
     required_tool("clang")
 
 
+SWEPT = verify_specs.DANGER.replace("in [0, 6] ", "in [0, 6] raw uint8 0..250 ")
+"""What a mutant computes of its 2^24 inputs is seen in seconds, while verify tries but a part of them."""
 SHORT = {
-    "rules as code of their own": (verify_specs.DANGER, Options(optimize="speed", target="cortex-m0plus"), 40),
-    "rules in loops": (verify_specs.DANGER, Options(optimize="size"), 40),
+    "rules as code of their own": (SWEPT, Options(optimize="speed", target="cortex-m0plus"), 40),
+    "rules in loops": (SWEPT, Options(optimize="size"), 40),
     "bytes": (verify_specs.BYTES, Options(target="avr"), 40),
 }
 
@@ -48,12 +51,12 @@ def test_what_is_changed() -> None:
 
 @pytest.mark.parametrize("name", SHORT)
 def test_mutants_are_killed(name: str) -> None:
-    """Of a sample few are left, that are neither killed by verify nor shown to do the same; no limit on the rest."""
+    """Of a sample, 99 % of what is not shown to do the same are killed by verify: as much as is promised of all."""
     text, options, most = SHORT[name]
     found = score(text, options, most)
     print(found, *found.left, sep="\n")
     assert found.killed >= most // 4
-    assert len(found.left) <= most // 20, found.left
+    assert found.percent >= 99.0, found.left
 
 
 def test_the_short_way_says_what_verify_says(tmp_path: Path) -> None:
@@ -77,3 +80,4 @@ def test_no_killed_mutant_is_shown_equal() -> None:
         killed = [m for m in sampled(trial.mutants, 50, 5) if trial.verdict(m) in FOUND]
         assert len(killed) > 20
         assert [str(m) for m in killed if judge.equal(m)] == []
+        assert [str(m) for m in killed[::8] if swept_equal(trial, m)] == []
