@@ -201,7 +201,7 @@ def shift_left(left: Expr, count: int) -> Expr:
         raise RangeError("shift of a negative, or by 32 and more")
     if count == 0:
         return left
-    if isinstance(left, Const):
+    if isinstance(left, Const) and left.value << count <= UINT32_MAX:
         return Const(left.value << count)
     return _binary("<<", left, Const(count), left.lo << count, left.hi << count)
 
