@@ -27,7 +27,7 @@ help: ## this list
 demo: .venv/for-demo ## compile nav.fz, verify it, run the paper's two robots under the generated C
 	@$(BIN)/python scripts/demo.py out
 
-test: lint pytest ## ruff, mypy, the import contract and the tests: under ten minutes
+test: lint pytest ## ruff, mypy, the import contract and the tests: a quarter of an hour
 
 lint: .venv/for-test
 	@$(BIN)/python -m ruff check --quiet

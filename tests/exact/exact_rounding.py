@@ -39,10 +39,10 @@ def degree_error(inp: Input, inputs: Mapping[str, Fraction] = NOTHING) -> Fracti
     for term in inp.terms:
         if isinstance(term.shape, PiecewiseLinear):
             for (x0, y0), (x1, y1) in itertools.pairwise(term.shape.points):
-                if x1 > x0:
+                if x1 > x0:  # a jump has no slope
                     slope = abs((y1 - y0) / (x1 - x0))
-                steepest = max(steepest, slope)
-                worst = max(worst, slope * max(abs(x0), abs(x1)))
+                    steepest = max(steepest, slope)
+                    worst = max(worst, slope * max(abs(x0), abs(x1)))
     return U * (2 * worst + 8) + steepest * inputs.get(inp.name, Fraction(0))
 
 
