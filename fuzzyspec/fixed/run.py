@@ -385,9 +385,10 @@ class _Frame:
                 where = self.value(index)
                 if array in self.windows:
                     of, start = self.windows[array]
-                    return of[start + where]
+                    return of.take(start + where, mode="clip")
                 if table:
-                    return self.tables[array][where]
+                    # Clipped for lanes outside the mask, whose index may be anything: what they read is not used.
+                    return self.tables[array].take(where, mode="clip")
                 return self.arrays[array][where] if np.ndim(where) == 0 else self.arrays[array][where, self.lane]
             case ReadPort(name):
                 return self.inputs[name]
