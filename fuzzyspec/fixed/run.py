@@ -254,6 +254,7 @@ class _Frame:
             self.step(stmt, mask)
 
     def step(self, stmt: Stmt, mask: Bools | None) -> None:
+        self.mask = mask
         match stmt:
             case Comment():
                 pass
@@ -375,6 +376,10 @@ class _Frame:
 
     # --- expressions --------------------------------------------------------------------------
 
+    def inside(self, where: Any) -> Any:
+        """An index of a table; 0 for lanes outside the mask, where it may be anything and what is read is not used."""
+        return where if self.mask is None or np.ndim(where) == 0 else np.where(self.mask, where, 0)
+
     def value(self, expr: Expr) -> Any:
         match expr:
             case Const(value):
@@ -385,10 +390,9 @@ class _Frame:
                 where = self.value(index)
                 if array in self.windows:
                     of, start = self.windows[array]
-                    return of.take(start + where, mode="clip")
+                    return of[self.inside(start + where)]
                 if table:
-                    # Clipped for lanes outside the mask, whose index may be anything: what they read is not used.
-                    return self.tables[array].take(where, mode="clip")
+                    return self.tables[array][self.inside(where)]
                 return self.arrays[array][where] if np.ndim(where) == 0 else self.arrays[array][where, self.lane]
             case ReadPort(name):
                 return self.inputs[name]
