@@ -232,6 +232,7 @@ class _Frame:
     windows: dict[str, tuple[Ints, Any]] = field(default_factory=dict)
     decisions: dict[str, Ints] = field(default_factory=dict)
     element: int | None = None
+    mask: Bools | None = None
 
     def __post_init__(self) -> None:
         self.status = np.zeros(self.n, dtype=np.int64)
