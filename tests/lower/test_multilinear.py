@@ -17,7 +17,7 @@ from fuzzyspec.exact import dequantise, evaluate_controller
 from fuzzyspec.fixed.build import LIMITS
 from fuzzyspec.fixed.program import Program, Table
 from fuzzyspec.fixed.run import Run, run
-from fuzzyspec.lower.bounds.search import Effort, bound_controller
+from fuzzyspec.lower.bounds import Effort, bound_controller
 from fuzzyspec.lower.choice import strategies
 from fuzzyspec.lower.controller import lower_controller
 from fuzzyspec.lower.formats import TOLERATED, format_of
