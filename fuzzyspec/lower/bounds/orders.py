@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from fuzzyspec.lower.bounds.memberships import Floats
 from fuzzyspec.lower.bounds.outputs import FLOAT_SLACK, CentroidBound
-from fuzzyspec.lower.bounds.slopes import Levels
+from fuzzyspec.lower.bounds.slopes import LevelSets
 from fuzzyspec.lower.bounds.strengths import Strengths
 from fuzzyspec.lower.clipped import clipped_sets
 from fuzzyspec.lower.lines import DEGREE_ONE
@@ -170,7 +170,7 @@ class Fastest:
 
     def __init__(self, output: Output, mean: CentroidBound, pieces: Pieces) -> None:
         self.mean = mean
-        self.sets = [Levels(s) for s in clipped_sets(output)]
+        self.sets = LevelSets(clipped_sets(output))
         self.pieces = pieces
 
     def search(self, boxes: int) -> tuple[float, Pieces]:
@@ -230,7 +230,7 @@ class Fastest:
 
     def _rates(self, parts: Pieces) -> Floats:
         rates, area = self._by_minor(parts)
-        slack = len(self.sets) * parts.weight.sum(axis=1) * FLOAT_SLACK
+        slack = len(self.sets.sign) * parts.weight.sum(axis=1) * FLOAT_SLACK
         result: Floats = (rates.sum(axis=1) + slack) / area * (1 + FLOAT_SLACK)
         return result
 
@@ -263,14 +263,11 @@ class Fastest:
     def _turned(self, parts: Pieces, lo: Floats, hi: Floats, y: tuple[Floats, Floats]) -> Floats:
         """By place: the size of the integral of ``t - y`` over what rises with that minor, less what falls, at most."""
         down, up = np.zeros_like(lo), np.zeros_like(lo)
-        row, n = np.arange(len(parts)), parts.lo.shape[1]
-        for s in self.sets:
-            place = parts.rank[:, list(s.members)].min(axis=1)
-            low, high = s.turn(lo[row, place], hi[row, place], y)
-            if s.sign < 0:
-                low, high = -high, -low
-            down[row, place] += low
-            up[row, place] += high
+        row, n = np.arange(len(parts))[:, None], parts.lo.shape[1]
+        place = parts.rank[:, self.sets.members].min(axis=2)
+        low, high = self.sets.turn(lo[row, place], hi[row, place], y)
+        np.add.at(down, (row, place), low)
+        np.add.at(up, (row, place), high)
         down[:, n], up[:, n] = down[:, n] - up[:, n + 1], up[:, n] - down[:, n + 1]
         result: Floats = np.maximum(np.abs(down), np.abs(up))[:, 1 : n + 1]
         return result

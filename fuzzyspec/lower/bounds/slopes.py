@@ -13,16 +13,13 @@ from dataclasses import dataclass
 from typing import Literal, assert_never
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzzyspec.lower.bounds.memberships import Floats, Membership
 from fuzzyspec.lower.bounds.outputs import FLOAT_SLACK, AverageBound, CentroidBound
-from fuzzyspec.lower.bounds.strengths import Boxes, Strengths
+from fuzzyspec.lower.bounds.strengths import Boxes, Ints, Strengths, by_degree, cells_named
 from fuzzyspec.lower.clipped import ClippedSet, clipped_sets
 from fuzzyspec.model.controller import And, Antecedent, Controller, Is, Not, Or, Output
 from fuzzyspec.model.term import Singleton
-
-Ints = npt.NDArray[np.int64]
 
 MOST_INPUTS = 6
 """Inputs that carry an error, at most: 32 directions, of which the other half are the opposites."""
@@ -135,34 +132,21 @@ class Slopes:
         return Moving(lo[:, :terms], hi[:, :terms], down[:, :terms], up[:, :terms])
 
     def _cells(self, n: int, degrees: list[list[Moving]], fired: list[list[tuple[Ints, Moving]]]) -> None:
-        cells = self.controller.cells
-        assert cells is not None
         row = np.arange(n)
-        slots: list[list[tuple[Ints, Moving]]] = []
+        found: list[list[Ints]] = []
+        moves: list[list[Moving]] = []
         for terms in degrees:
-            lo, hi = np.stack([m.lo for m in terms], axis=1), np.stack([m.hi for m in terms], axis=1)
-            down, up = np.stack([m.down for m in terms], axis=1), np.stack([m.up for m in terms], axis=1)
-            order = np.argsort(-hi, axis=1, kind="stable")
-            active = max(int((hi > 0).sum(axis=1).max(initial=1)), 1)
-            slots.append(
-                [
-                    (k, Moving(lo[row, k], hi[row, k], down[row, k], up[row, k]))
-                    for k in (order[:, j] for j in range(active))
-                ]
+            lo, hi, down, up = (
+                np.stack(ends, axis=1) for ends in zip(*((m.lo, m.hi, m.down, m.up) for m in terms), strict=True)
             )
-        tables = [
-            np.array([len(o.terms) if t < 0 else t for t in c])
-            for o, c in zip(self.controller.outputs, cells.consequents, strict=True)
-        ]
-        for combination in itertools.product(*slots):
-            index = np.zeros(n, dtype=np.int64)
-            for size, (term, _) in zip(cells.shape, combination, strict=True):
-                index = index * size + term
-            m = self._both([m for _, m in combination])
+            found.append(by_degree(hi))
+            moves.append([Moving(lo[row, k], hi[row, k], down[row, k], up[row, k]) for k in found[-1]])
+        for which, named in cells_named(self.controller, found):
+            m = self._both([parts[w] for parts, w in zip(moves, which, strict=True)])
             # A cell that cannot fire moves nothing, and its term's level is another rule's.
             m = Moving(m.lo, np.where(m.hi > 0, m.hi, -1.0), m.down, m.up)
-            for o, table in enumerate(tables):
-                fired[o].append((table[index], m))
+            for o, terms_named in enumerate(named):
+                fired[o].append((terms_named, m))
 
     def _both(self, parts: list[Moving]) -> Moving:
         if self.controller.infer.and_ == "min":
@@ -227,19 +211,20 @@ class _Centroid:
     def __init__(self, output: Output, mean: CentroidBound, reached: float, steepest: float) -> None:
         self.mean = mean
         self.reached = reached
-        self.sets = [Levels(s) for s in clipped_sets(output)]
+        self.sets = LevelSets(clipped_sets(output))
         # A breakpoint's float is not the breakpoint: between them a slope is its neighbour's.
-        self.slack = len(self.sets) * steepest * FLOAT_SLACK
+        self.slack = len(self.sets.sign) * steepest * FLOAT_SLACK
 
     def rate(self, levels: Moving) -> Floats:
         y = self.mean.mean(levels.lo, levels.hi)
         area = self.mean.area_over(levels.lo, levels.hi, self.reached)
         shape = levels.down.shape[0], levels.down.shape[2]
         total_down, total_up = np.full(shape, -self.slack), np.full(shape, self.slack)
-        for s in self.sets:
-            height = _smallest([_term(levels, k) for k in s.members])
-            low, high = s.turn(height.lo, height.hi, y)
-            down, up = _scaled(height.down, height.up, *((low, high) if s.sign > 0 else (-high, -low)))
+        heights = [_smallest([_term(levels, int(k)) for k in members]) for members in self.sets.members]
+        lo, hi = np.stack([h.lo for h in heights], axis=1), np.stack([h.hi for h in heights], axis=1)
+        low, high = self.sets.turn(lo, hi, y)
+        for s, height in enumerate(heights):
+            down, up = _scaled(height.down, height.up, low[:, s], high[:, s])
             total_down, total_up = total_down + down, total_up + up
         return _largest(total_down, total_up, area, levels.hi, self.reached)
 
@@ -275,36 +260,44 @@ def _largest(down: Floats, up: Floats, area: Floats, hi: Floats, reached: float)
     return np.where((hi < reached - FLOAT_SLACK).all(axis=1), 0.0, rate * (1 + FLOAT_SLACK))
 
 
-class Levels:
-    """Level sets of one set of terms: width and first moment at any clip height, both falling with it."""
+class LevelSets:
+    """Level sets of S sets of terms: width and first moment at any clip height, both falling with it."""
 
-    def __init__(self, form: ClippedSet) -> None:
-        self.members = form.members
-        self.sign = form.sign
-        self.reference = float(form.reference)
-        self.turned = form.moment_sign
-        self.starts = np.array([float(p.start) for p in form.pieces])
-        self.top = float(form.height)
-        self.width = np.array([[float(w) for w in p.width] for p in form.pieces])
-        self.first = np.array([[float(v) for v in p.first] for p in form.pieces])
+    def __init__(self, forms: tuple[ClippedSet, ...]) -> None:
+        most = max(len(f.members) for f in forms)
+        pieces = max(len(f.pieces) for f in forms)
+        self.members = np.array([[*f.members, *f.members[:1] * (most - len(f.members))] for f in forms])
+        """(S, members), the first one again where there are fewer."""
+        self.sign = np.array([f.sign for f in forms])
+        self.reference = np.array([float(f.reference) for f in forms])
+        self.turned = np.array([f.moment_sign for f in forms])
+        self.top = np.array([float(f.height) for f in forms])
+        self.starts = np.full((len(forms), pieces), np.inf)
+        self.width, self.first = np.zeros((len(forms), pieces, 2)), np.zeros((len(forms), pieces, 3))
+        for s, f in enumerate(forms):
+            self.starts[s, : len(f.pieces)] = [float(p.start) for p in f.pieces]
+            self.width[s, : len(f.pieces)] = [[float(w) for w in p.width] for p in f.pieces]
+            self.first[s, : len(f.pieces)] = [[float(v) for v in p.first] for p in f.pieces]
 
     def turn(self, lo: Floats, hi: Floats, y: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-        """Least and largest integral of ``t - y`` over the level set at a height in ``lo .. hi``."""
+        """Least and largest integral of ``t - y`` (B,) over each level set at a height in ``lo .. hi`` (B, S), signed
+        as the set is."""
         wide, first = self._at(lo, "left")
         narrow, last = self._at(hi, "right")
-        arms = [(self.reference - at) * w for at in y for w in (narrow, wide)]
-        own = (last, first) if self.turned >= 0 else (-first, -last)
-        if not self.turned:
-            own = np.zeros_like(wide), np.zeros_like(wide)
-        return np.minimum.reduce(arms) + own[0] - FLOAT_SLACK, np.maximum.reduce(arms) + own[1] + FLOAT_SLACK
+        arms = [(self.reference - at[:, None]) * w for at in y for w in (narrow, wide)]
+        least = np.minimum.reduce(arms) + np.where(self.turned > 0, last, -first) * (self.turned != 0) - FLOAT_SLACK
+        most = np.maximum.reduce(arms) + np.where(self.turned > 0, first, -last) * (self.turned != 0) + FLOAT_SLACK
+        return np.where(self.sign > 0, least, -most), np.where(self.sign > 0, most, -least)
 
     def _at(self, c: Floats, side: Literal["left", "right"]) -> tuple[Floats, Floats]:
-        """Width and first moment in the limit from below (``left``) or above."""
-        j = np.clip(np.searchsorted(self.starts, c, side=side) - 1, 0, len(self.starts) - 1)
-        w, v = self.width[j], self.first[j]
+        """Widths and first moments in the limit from below (``left``) or above."""
+        begun = self.starts < c[:, :, None] if side == "left" else self.starts <= c[:, :, None]
+        j = np.maximum(begun.sum(axis=2) - 1, 0)
+        each = np.arange(len(self.starts))
+        w, v = self.width[each, j], self.first[each, j]
         inside = c <= self.top if side == "left" else c < self.top
-        width = np.where(inside, w[:, 0] + w[:, 1] * c, 0.0)
-        first = np.where(inside, v[:, 0] + (v[:, 1] + v[:, 2] * c) * c, 0.0)
+        width = np.where(inside, w[:, :, 0] + w[:, :, 1] * c, 0.0)
+        first = np.where(inside, v[:, :, 0] + (v[:, :, 1] + v[:, :, 2] * c) * c, 0.0)
         return np.maximum(width, 0.0), np.maximum(first, 0.0)
 
 

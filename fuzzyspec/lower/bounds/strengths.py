@@ -7,6 +7,7 @@ of it.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import assert_never
@@ -53,6 +54,30 @@ class Levels:
 
     band: Band
     rules: int
+
+
+def by_degree(hi: Floats) -> list[Ints]:
+    """One input's terms from the largest upper end (B, terms) of their degrees down, as many as can be active at once:
+    each (B,)."""
+    order = np.argsort(-hi, axis=1, kind="stable")
+    active = int((hi > 0).sum(axis=1).max(initial=1))
+    return [order[:, j] for j in range(max(active, 1))]
+
+
+def cells_named(controller: Controller, terms: list[list[Ints]]) -> Iterator[tuple[tuple[int, ...], list[Ints]]]:
+    """Every cell of such ``terms`` of each input: which of them it is, and by output what it names (B,), one past the
+    last term where it names none."""
+    cells = controller.cells
+    assert cells is not None
+    tables = [
+        np.array([len(o.terms) if t < 0 else t for t in c])
+        for o, c in zip(controller.outputs, cells.consequents, strict=True)
+    ]
+    for which in itertools.product(*(range(len(t)) for t in terms)):
+        index = np.zeros_like(terms[0][0])
+        for size, found, w in zip(cells.shape, terms, which, strict=True):
+            index = index * size + found[w]
+        yield which, [table[index] for table in tables]
 
 
 class Strengths:
@@ -182,36 +207,19 @@ class Strengths:
     # --- cells ----------------------------------------------------------------------------------
 
     def _cells(self, boxes: Boxes, degrees: list[list[Band]], fired: list[list[tuple[Ints, Band]]]) -> None:
-        cells = self.controller.cells
-        assert cells is not None
-        n = len(boxes)
-        row = np.arange(n)
-        slots: list[list[tuple[Ints, Band]]] = []
+        row = np.arange(len(boxes))
+        found: list[list[Ints]] = []
+        bands: list[list[Band]] = []
         for terms in degrees:
-            lo = np.stack([b.lo for b in terms], axis=1)
-            hi = np.stack([b.hi for b in terms], axis=1)
-            off = np.stack([b.off for b in terms], axis=1)
-            order = np.argsort(-hi, axis=1, kind="stable")
-            active = int((hi > 0).sum(axis=1).max(initial=1))
-            slots.append(
-                [
-                    (order[:, j], Band(lo[row, order[:, j]], hi[row, order[:, j]], off[row, order[:, j]]))
-                    for j in range(max(active, 1))
-                ]
-            )
-        tables = [
-            np.array([len(o.terms) if t < 0 else t for t in c])
-            for o, c in zip(self.controller.outputs, cells.consequents, strict=True)
-        ]
-        for combination in itertools.product(*slots):
-            index = np.zeros(n, dtype=np.int64)
-            for size, (term, _) in zip(cells.shape, combination, strict=True):
-                index = index * size + term
-            band = self.both([b for _, b in combination])
+            lo, hi, off = (np.stack(ends, axis=1) for ends in zip(*((b.lo, b.hi, b.off) for b in terms), strict=True))
+            found.append(by_degree(hi))
+            bands.append([Band(lo[row, k], hi[row, k], off[row, k]) for k in found[-1]])
+        for which, named in cells_named(self.controller, found):
+            band = self.both([b[w] for b, w in zip(bands, which, strict=True)])
             off = np.where(band.hi > 0, band.off + float(self.numbers.cell_error), 0.0)
             band = Band(band.lo, band.hi, off)
-            for o, table in enumerate(tables):
-                fired[o].append((table[index], band))
+            for o, terms_named in enumerate(named):
+                fired[o].append((terms_named, band))
 
     # --- norms ----------------------------------------------------------------------------------
 
