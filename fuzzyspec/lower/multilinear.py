@@ -21,7 +21,8 @@ from fuzzyspec.lower.slide import Cell, fuzzified, highest
 from fuzzyspec.lower.strategy import Interpolation
 from fuzzyspec.model.controller import CellRules, Controller
 
-MOST_INPUTS = 5
+MOST_WRITTEN = 6
+"""Inputs at most whose corners, 2^inputs of an output, are written out."""
 MOST_WORDS = 1024
 """Of a table with two outputs in a word. Larger ones take too much room for what they save."""
 
@@ -58,7 +59,6 @@ def applies(controller: Controller) -> bool:
         and infer.and_ == "product"
         and infer.aggregate == "sum"
         and infer.defuzzify == "weighted_average"
-        and len(controller.inputs) <= MOST_INPUTS
         and all(i.peaks is not None and len(i.peaks) > 1 for i in controller.inputs)
         and all(controller.always_fires)
         and all(-1 not in c for c in controller.cells.consequents)
@@ -68,6 +68,8 @@ def applies(controller: Controller) -> bool:
 def ways(controller: Controller) -> tuple[Interpolation, ...]:
     """How a controller that this applies to can be computed."""
     assert controller.cells is not None
+    if len(controller.inputs) > MOST_WRITTEN:
+        return ("loops",)
     small = math.prod(controller.cells.shape) <= MOST_WORDS
     if small and len(controller.outputs) > 1 and format_of(controller, controller.cells).narrow:
         return ("loops", "written", "packed")
