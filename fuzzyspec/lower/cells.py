@@ -16,7 +16,7 @@ from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Branch, Comment, Const, Define, Division, Expr, Local, Stmt
 from fuzzyspec.lower.fire import Firing
 from fuzzyspec.lower.fuzzify import Degrees
-from fuzzyspec.lower.lattice import Cells, Degree, Formula, Higher, Lower, formula
+from fuzzyspec.lower.lattice import Cells, Degree, Formula, Higher, Lower, Rest, formula
 from fuzzyspec.lower.levels import Means
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.minors import applies as minors_apply
@@ -82,6 +82,8 @@ class Block:
             case Higher():
                 left, right = self.strength(wanted.left, name), self.strength(wanted.right, name)
                 return self.bind(name, build.greatest(left, right))
+            case Rest():
+                return self.bind("not_so", build.sub(Const(DEGREE_ONE), self.strength(wanted.of, name)))
             case _:
                 assert_never(wanted)
 

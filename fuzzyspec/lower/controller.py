@@ -32,7 +32,7 @@ from fuzzyspec.lower.cells import fire_cells
 from fuzzyspec.lower.centroid import CentroidNumbers, centroid
 from fuzzyspec.lower.fire import DEGREE_BITS, Firing, fire, reaches_half, used_terms
 from fuzzyspec.lower.fuzzify import Degrees, Reading, fuzzify, in_array
-from fuzzyspec.lower.kinds import fire_kinds
+from fuzzyspec.lower.kinds import fire_kinds, named_terms
 from fuzzyspec.lower.levels import Means, fire_levels
 from fuzzyspec.lower.levels import applies as levels_apply
 from fuzzyspec.lower.lines import DEGREE_ONE
@@ -86,14 +86,14 @@ def lower_controller(
     if multilinear_applies(controller) and controller.cells is not None:
         linear = interpolate(controller, controller.cells, strategy.interpolation, scope)
     bare = strategy.rules != "loops"
-    for item in controller.inputs if linear is None else ():
+    for i, item in enumerate(controller.inputs if linear is None else ()):
         variable = item.variable
         low, high = build.LIMITS[variable.raw.ctype]
         bit = f"SATURATED_{variable.name.upper()}"
         if low < variable.raw.lo or high > variable.raw.hi:
             status.append(StatusBit(bit, f"{variable.name} was outside its range and was saturated"))
         body.append(Comment(f"{item.name}: degrees of {', '.join(t.name for t in item.terms)}"))
-        steps, found, told = _degrees(item, bool(controller.sentences), strategy.rules, bit, scope)
+        steps, found, told = _degrees(item, named_terms(controller, i), strategy.rules, bit, scope)
         body += steps
         saturations += told
         degrees.append(found)
@@ -161,8 +161,11 @@ def lower_controller(
     )
 
 
-def _degrees(item: Input, dense: bool, rules: Rules, bit: str, scope: Scope) -> tuple[list[Stmt], Degrees, list[Stmt]]:
-    """An input's degrees, and statements that later tell of its saturation."""
+def _degrees(
+    item: Input, named: frozenset[int] | None, rules: Rules, bit: str, scope: Scope
+) -> tuple[list[Stmt], Degrees, list[Stmt]]:
+    """An input's degrees, and statements that later tell of its saturation; sentences name these of its terms."""
+    dense = named is not None
     bare = rules != "loops"
     if not dense and slides(item):
         upper = Local(scope.name(f"{item.name}_term"), "uint8", 0, len(item.terms) - 2)
@@ -181,7 +184,7 @@ def _degrees(item: Input, dense: bool, rules: Rules, bit: str, scope: Scope) -> 
         if strong:
             more, found = fuzzify(item, value, scope, dense, bare, bit=bit)
         else:
-            more, found = zoned(item, Reading(variable, value, bit), scope)
+            more, found = zoned(item, Reading(variable, value, bit), scope, named)
         return [Define(value, given, legal), *more], found, []
     steps, raw, told = saturated(variable, given, variable.name, bit, scope, rules == "levels")
     more, found = fuzzify(item, raw, scope, dense, bare)

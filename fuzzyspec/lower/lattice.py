@@ -7,8 +7,12 @@ formula.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import assert_never
+
+from fuzzyspec.model.controller import And, Antecedent, Is, Not, Or
 
 Cells = frozenset[tuple[int, ...]]
 """Cells of a block that name one term: by input, the place of its term among those that may be active in the block."""
@@ -38,7 +42,14 @@ class Higher:
     right: Formula
 
 
-Formula = Degree | Lower | Higher
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """What is left to 1."""
+
+    of: Formula
+
+
+Formula = Degree | Lower | Higher | Rest
 
 
 def formula(cells: Cells) -> Formula:
@@ -99,3 +110,67 @@ def cost(found: Formula) -> int:
             return len(found.which) - 1
         case Lower() | Higher():
             return 1 + cost(found.left) + cost(found.right)
+        case Rest():
+            return 1 + cost(found.of)
+
+
+def of_sentence(node: Antecedent, active: Sequence[tuple[int, ...]]) -> Formula | bool:
+    """An antecedent where by input only these terms are active; a bool where its strength is 0 or 1 whatever they are.
+
+    As of cells, ``or`` is the largest and ``and`` the smallest.
+    """
+    match node:
+        case Is(i, terms):
+            which = tuple(place for place, term in enumerate(active[i]) if term in terms)
+            return Degree(i, which) if which else False
+        case Not(operand):
+            found = of_sentence(operand, active)
+            return not found if isinstance(found, bool) else found.of if isinstance(found, Rest) else Rest(found)
+        case And(operands):
+            return joined(Lower, [of_sentence(o, active) for o in operands])
+        case Or(operands):
+            return joined(Higher, [of_sentence(o, active) for o in operands])
+        case _:
+            assert_never(node)
+
+
+def joined(by: type[Lower | Higher], parts: Sequence[Formula | bool]) -> Formula | bool:
+    """The smallest or the largest of formulas, each taken once; for at least one of them."""
+    settles = by is Higher
+    if settles in parts:
+        return settles
+    first, *others = dict.fromkeys(p for p in parts if not isinstance(p, bool)) or [not settles]
+    found: Formula | bool = first
+    for other in others:
+        assert not isinstance(found, bool)
+        assert not isinstance(other, bool)
+        found = by(found, other)
+    return found
+
+
+def degrees_in(found: Formula) -> Iterator[tuple[int, int]]:
+    """The inputs and places of the degrees that a formula reads."""
+    match found:
+        case Degree(i, which):
+            yield from ((i, place) for place in which)
+        case Lower(left, right) | Higher(left, right):
+            yield from degrees_in(left)
+            yield from degrees_in(right)
+        case Rest(of):
+            yield from degrees_in(of)
+        case _:
+            assert_never(found)
+
+
+def terms_in(node: Antecedent) -> Iterator[tuple[int, int]]:
+    """The inputs and terms that an antecedent names."""
+    match node:
+        case Is(i, terms):
+            yield from ((i, term) for term in terms)
+        case Not(operand):
+            yield from terms_in(operand)
+        case And(operands) | Or(operands):
+            for operand in operands:
+                yield from terms_in(operand)
+        case _:
+            assert_never(node)

@@ -6,6 +6,7 @@ finds the zone; there the active terms' degrees alone are computed, and a number
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -35,11 +36,11 @@ class Zone:
         return self.end - self.start + 1
 
 
-def zones_of(item: Input) -> list[Zone]:
-    """An input's zones in order; together they are all legal raws."""
+def zones_of(item: Input, named: Container[int] | None = None) -> list[Zone]:
+    """An input's zones in order, as these of its terms part them (else all); together they are all legal raws."""
     raw = item.variable.raw
     terms = [straight_pieces(t.shape, raw) for t in item.terms]
-    active = [(k, p) for k, pieces in enumerate(terms) for p in pieces if p.line.top]
+    active = [(k, p) for k, pieces in enumerate(terms) for p in pieces if p.line.top and _asked(k, named)]
     cuts = sorted({0, raw.hi - raw.lo + 1} | {c for _, p in active for c in (p.start, p.end + 1)})
     found: list[Zone] = []
     for start, beyond in pairwise(cuts):
@@ -50,24 +51,31 @@ def zones_of(item: Input) -> list[Zone]:
     return found
 
 
-def groups_of(item: Input) -> dict[tuple[int, ...], int]:
+def _asked(term: int, named: Container[int] | None) -> bool:
+    return named is None or term in named
+
+
+def groups_of(item: Input, named: Container[int] | None = None) -> dict[tuple[int, ...], int]:
     """The sets of terms that can be active at once, and how many raws each has."""
     found: dict[tuple[int, ...], int] = {}
-    for zone in zones_of(item):
+    for zone in zones_of(item, named):
         found[zone.terms] = found.get(zone.terms, 0) + zone.width
     return found
 
 
-def zoned(item: Input, given: Reading, scope: Scope) -> tuple[list[Stmt], Degrees]:
-    """Statements that compute the degrees of one input from its raw, zone by zone, and saturate it on the way."""
-    groups = tuple(groups_of(item))
+def zoned(item: Input, given: Reading, scope: Scope, named: Container[int] | None = None) -> tuple[list[Stmt], Degrees]:
+    """Statements that compute the degrees of one input from its raw, zone by zone, and saturate it on the way.
+
+    Only these of its terms, or all.
+    """
+    groups = tuple(groups_of(item, named))
     group = Local(scope.name(f"{item.name}_group"), "uint8", 0, len(groups) - 1)
     most = max(map(len, groups))
     members = tuple(Local(scope.name(f"{item.name}_mu"), "uint16", 0, DEGREE_ONE) for _ in range(most))
     body: list[Stmt] = [Define(m, Const(0), False) for m in ((group, *members) if len(groups) > 1 else members)]
     runs: list[Run] = []
     error = Fraction(0)
-    for zone in zones_of(item):
+    for zone in zones_of(item, named):
         number = groups.index(zone.terms)
         steps: list[Stmt] = [Assign(group, Const(number))] if number else []
         for member, (_, piece) in zip(members, zone.pieces, strict=False):

@@ -52,6 +52,47 @@ def test_kinds_compute_what_loops_compute(inputs: str, columns: int, output: str
     same_integers(controller, 3000, "short")
 
 
+SENTENCES = """
+    if a is a0 and b is b0 then z is o0
+    if a is a1 or (b is b1 and not a is a2) then z is o1
+    if (a is a3 or a is a4) and not (b is b0 or a is a4) then z is o2
+    if not (a is a3 or b is b1) then z is o0
+"""
+
+
+def of_sentences(inputs: str, output: str, sentences: str, infer: str = "") -> Controller:
+    """A controller of sentence rules."""
+    text = f"module m\ncontroller c {{ {infer}\n{inputs}\n{output}\nrules {{ {sentences} }} }}"
+    (controller,) = load(text).module.controllers
+    return controller
+
+
+@pytest.mark.parametrize("output", [EVEN, UNEVEN], ids=["even", "uneven"])
+@pytest.mark.parametrize("inputs", [IRREGULAR, STRONG], ids=["irregular", "strong"])
+def test_kinds_of_sentences_compute_what_loops_compute(inputs: str, output: str) -> None:
+    """With not and or, strengths of 1 whatever the degrees are, and places where no rule can fire."""
+    controller = of_sentences(inputs, output, SENTENCES)
+    assert "kinds" in rules_of(controller)
+    same_integers(controller, 3000)
+    same_integers(controller, 3000, "short")
+
+
+@pytest.mark.parametrize(
+    ("sentences", "infer"),
+    [
+        ("if a is a0 and b is b0 then z is o0 with 0.5", ""),
+        ("if a is a0 then z is o0", ""),
+        ("if a is a0 and b is b0 then z is o0", "infer { and = product }"),
+        ("if a is a0 or b is b0 then z is o0", "infer { or = probsum }"),
+    ],
+    ids=["weight", "an input that is not asked for", "product", "probsum"],
+)
+def test_other_sentences_stay_in_loops(sentences: str, infer: str) -> None:
+    """What kinds do not compute, or would declare and never read."""
+    assert "kinds" in rules_of(of_sentences(IRREGULAR, UNEVEN, "if a is a0 and b is b0 then z is o0"))
+    assert "kinds" not in rules_of(of_sentences(IRREGULAR, UNEVEN, sentences, infer))
+
+
 @pytest.mark.parametrize("which", [0, 1])
 def test_zones_hold_all_raws_and_every_term_that_is_active(which: int) -> None:
     """Zones follow one another over all legal raws, and where a zone leaves a term out its membership is 0."""
