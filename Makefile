@@ -18,7 +18,7 @@ ifneq ($(shell "$(PYTHON)" -V 2>&1),$(shell .venv/bin/python -V 2>&1))
 endif
 endif
 
-.PHONY: help demo test lint pytest test-long wheel generated bench fit limits campaign fuzz prove mutants mutants-python clean compiler
+.PHONY: help demo test lint pytest gates test-long wheel generated bench fit limits campaign fuzz prove mutants mutants-python clean compiler
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' Makefile
@@ -27,7 +27,7 @@ help: ## this list
 demo: .venv/for-demo ## compile nav.fz, verify it, run the paper's two robots under the generated C
 	@$(BIN)/python scripts/demo.py out
 
-test: lint pytest ## ruff, mypy, the import contract and the tests: a quarter of an hour
+test: lint pytest ## ruff, mypy, the import contract and the tests: under ten minutes
 
 lint: .venv/for-test
 	@$(BIN)/python -m ruff check --quiet
@@ -36,7 +36,10 @@ lint: .venv/for-test
 	@$(BIN)/lint-imports --no-logo
 
 pytest: .venv/for-test
-	@$(BIN)/python -m pytest -n auto -m "not long"
+	@$(BIN)/python -m pytest -n auto -m "not long and not gate"
+
+gates: .venv/for-test ## what CI runs besides: proofs, mutants, coverage, a hundred random specs: twenty minutes
+	@$(BIN)/python -m pytest -n auto -m "gate and not long"
 
 test-long: .venv/for-test lint wheel ## everything: also the tests that take minutes and an installed wheel
 	@$(BIN)/python -m pytest -n auto

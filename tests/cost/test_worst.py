@@ -15,9 +15,9 @@ from fuzzyspec.model.controller import Controller
 from tests.cost.cost_specs import compiler_for
 
 ROOT = Path(__file__).resolve().parents[2]
-FIRST = ("w1", "w2", "w3", "w3s", "nav")
+MARKS = {"w2": (), **dict.fromkeys(("w1", "w3", "w3s", "nav"), pytest.mark.gate)}
 SPECS = [
-    pytest.param(path, id=path.stem, marks=() if path.stem in FIRST else pytest.mark.long)
+    pytest.param(path, id=path.stem, marks=MARKS.get(path.stem, pytest.mark.long))
     for path in sorted([*(ROOT / "benchmarks").glob("*.fz"), *(ROOT / "examples").glob("*.fz")])
 ]
 BUILDS: list[tuple[str, Kind | None]] = [
@@ -55,6 +55,7 @@ def test_the_derived_worst_case_holds_and_is_close(path: Path, target: str, kind
     holds_and_is_close(path, target, kind, option)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("stem", "kind"), M7)
 def test_it_does_on_a_cortex_m7_too(stem: str, kind: Kind) -> None:
     """The same, of the build for speed."""

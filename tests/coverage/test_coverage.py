@@ -15,6 +15,8 @@ from tests.coverage.measured import measured
 from tests.coverage.unreached import MOST, verdicts
 from tests.random_specs.generator import spec
 
+pytestmark = pytest.mark.gate
+
 ROOT = Path(__file__).parents[2]
 
 

@@ -99,6 +99,7 @@ def test_every_divider_gives_the_same_integer(division: Division) -> None:
         assert native.selftest() == 0
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("division", get_args(Division))
 def test_no_divider_wraps_around(division: Division, tmp_path: Path) -> None:
     """Clang's check of unsigned arithmetic finds no intermediate outside of 32 bits at any of the pairs."""

@@ -27,6 +27,7 @@ CASES: tuple[tuple[str, Goal, Target], ...] = (
 )
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("name", "goal", "target"), CASES)
 def test_nothing_is_found_beyond_the_page(name: str, goal: Goal, target: Target, tmp_path: Path) -> None:
     """In header, source and self-test of what the goal and the target choose."""
@@ -36,6 +37,7 @@ def test_nothing_is_found_beyond_the_page(name: str, goal: Goal, target: Target,
     assert beyond(found, TEXT) == []
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("seed", [2, 5])
 def test_nothing_is_found_in_random_specs(seed: int, tmp_path: Path) -> None:
     """Nor in C of several controllers and systems with lists and states."""
@@ -63,6 +65,7 @@ def test_a_planted_violation_is_beyond_the_page(rule: str, tmp_path: Path) -> No
     assert rule in {f.rule for f in beyond(findings(tmp_path), TEXT)}
 
 
+@pytest.mark.gate
 def test_every_deviation_is_needed(tmp_path: Path) -> None:
     """Each row of the page is found in some C that we generate: none is left over."""
     found: set[str] = set()

@@ -79,6 +79,7 @@ def test_what_is_compiled_for_avr_is_clean_and_equal_everywhere(path: Path, tmp_
         assert native.selftest() == 0
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("seed", range(900, 904))
 def test_random_specs_for_avr_are_clean_and_equal(seed: int, tmp_path: Path) -> None:
     """Controllers and systems of every kind, narrow: no compiler has a warning, and the host computes the program."""

@@ -85,6 +85,7 @@ def test_the_choice_is_near_the_best_that_was_measured(spec: str, function: str,
     assert own[0][1] <= least * (band_of(target, goal) if goal == "balanced" else 1.1)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("goal", get_args(Goal))
 def test_one_field_at_a_time_finds_what_a_search_of_all_finds(goal: Goal) -> None:
     """Fields hardly touch each other: nothing is lost on w2 by choosing them in turn but what is within

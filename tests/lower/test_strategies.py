@@ -60,6 +60,7 @@ def test_every_choice_computes_the_same_integers(path: Path) -> None:
         same_integers(controller, 2000, "short")
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("seed", range(700, 712))
 def test_every_choice_computes_the_same_integers_on_random_specs(seed: int, tmp_path: Path) -> None:
     """The same over random controllers of every kind."""

@@ -37,6 +37,7 @@ def test_few_bits_are_taken_where_they_do() -> None:
     assert load(W3).within("0.5").lowered.program != full
 
 
+@pytest.mark.gate
 def test_every_target_gets_the_same_integers(tmp_path: Path) -> None:
     """Which precision is taken does not depend on the target: one program's integers verify every C."""
     spec = load(W3).within("0.5")

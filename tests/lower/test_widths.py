@@ -24,6 +24,7 @@ def locals_of(body: tuple[Stmt, ...]) -> list[Local]:
     return found + [s.counter for s in body if isinstance(s, Loop)]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("target", ["generic", "cortex-m0plus", "cortex-m4", "rv32imc"])
 def test_words_on_machines_of_32_bits(target: Target) -> None:
     """Every local fills a register, so that nothing is cut to a narrower type on the way."""
@@ -32,6 +33,7 @@ def test_words_on_machines_of_32_bits(target: Target) -> None:
             assert {local.ctype for local in locals_of(function.body)} <= {"uint32", "int32"}
 
 
+@pytest.mark.gate
 def test_the_narrowest_types_on_a_machine_of_8_bits() -> None:
     """Every local has the smallest type that holds its interval."""
     found = [

@@ -83,6 +83,7 @@ def test_a_call_that_does_not_return_is_a_death_at_its_case(target: str, kind: K
     assert died.case == 3
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("target", "kind"), QEMU)
 def test_qemu_runs_the_same_images(target: str, kind: Kind) -> None:
     """Another emulator: the integer program's outcomes, the self-test's verdict, a fault and a hang at their case."""

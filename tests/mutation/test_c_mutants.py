@@ -15,6 +15,8 @@ from tests.mutation.c_sweep import swept_equal
 from tests.mutation.c_trial import FOUND, Trial
 from tests.verify import verify_specs
 
+pytestmark = pytest.mark.gate
+
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 

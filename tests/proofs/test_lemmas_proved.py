@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import pytest
 import z3
 
 from tests.proofs.symbolic import Known
@@ -228,6 +229,7 @@ def test_place() -> None:
     proved(known, size(clamped - exact) <= largest(error, beyond), size(clamped - exact) <= error)
 
 
+@pytest.mark.gate
 def test_quotient() -> None:
     """A saturated quotient moves by at most the dividend's error and R times the divisor's, over the least divisor."""
     known = Known()

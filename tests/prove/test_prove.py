@@ -18,6 +18,8 @@ from fuzzyspec.prove.driver import print_driver
 from tests.conftest import required_tool
 from tests.random_specs.generator import spec as random_spec
 
+pytestmark = pytest.mark.gate
+
 ROOT = Path(__file__).resolve().parents[2]
 W1 = ROOT / "benchmarks" / "w1.fz"
 CASES: tuple[tuple[str, Goal, Target], ...] = (

@@ -131,6 +131,7 @@ def test_every_node_of_the_model_is_made() -> None:
     assert expected([account, budget, controller, system, term, variable]) - found == set()
 
 
+@pytest.mark.gate
 def test_every_node_of_the_program_is_made() -> None:
     """Each class of the integer program with its words (types apart: ``widths`` gives those): of each strategy the
     first few controllers that it applies to, and some systems."""

@@ -9,8 +9,10 @@ from tests.random_specs.generator import spec
 from tests.random_specs.shrinking import smallest
 from tests.random_specs.trial import Effort, trial
 
+SEEDS = [pytest.param(seed, marks=() if seed % 5 == 0 else pytest.mark.gate) for seed in range(100)]
 
-@pytest.mark.parametrize("seed", range(100))
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_random_spec(seed: int) -> None:
     """C is the program bit for bit by any strategy and compiler, the program within its bounds, bands and intervals.
 

@@ -42,6 +42,7 @@ def test_bounds_are_at_most_four_times_what_is_found(name: str) -> None:
             assert 1 <= output.ratio <= MOST, f"{subject.name}.{output.output}: {output.ratio}"
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("name", "share"), [("nav", "drive: error of "), ("temperature", "drive: error of error")])
 def test_bounds_of_systems_are_at_most_ten_times_what_is_found(name: str, share: str) -> None:
     """Of the examples' systems: certified <= 10 times found, never below it, and owed to what the layers carry on."""

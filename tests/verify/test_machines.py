@@ -64,6 +64,7 @@ def test_every_machine_agrees(keeper: Path, capsys: pytest.CaptureFixture[str]) 
     assert len(builds) == len(records) == 2 * len({b[:2] for b in builds})
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("condition", "wrong"),
     [
