@@ -85,10 +85,10 @@ def print_body(program: Program, function: Function, names: Names) -> Body:
 @dataclass(frozen=True, slots=True)
 class Ranges:
     """The least and the greatest value of each local of a function, by its name in the C; and of an array's elements,
-    of each assignment in the order in which they stand."""
+    of each assignment in the order in which they stand, for all of them together or by index."""
 
     locals: Mapping[str, tuple[int, int]]
-    elements: Mapping[str, tuple[tuple[int, int], ...]]
+    elements: Mapping[str, tuple[tuple[tuple[int, int], ...], ...]]
 
 
 def ranges_of(program: Program, function: Function, names: Names) -> Ranges:
@@ -96,7 +96,7 @@ def ranges_of(program: Program, function: Function, names: Names) -> Ranges:
     body = prune(function.body)
     spelled_as = _context(program, function, names, body).spelling.locals
     locals_: dict[str, tuple[int, int]] = {}
-    elements: dict[str, tuple[tuple[int, int], ...]] = {}
+    elements: dict[str, tuple[tuple[tuple[int, int], ...], ...]] = {}
     for statement in statements(body):
         match statement:
             case Define(local) | Assign(local):
@@ -105,7 +105,8 @@ def ranges_of(program: Program, function: Function, names: Names) -> Ranges:
                 locals_[name] = min(lo, local.lo), max(hi, local.hi)
             case AssignElement():
                 name = spelled_as[statement.array]
-                elements[name] = (*elements.get(name, ()), (statement.value.lo, statement.value.hi))
+                of = tuple((statement.value.lo, hi) for hi in statement.most or (statement.value.hi,))
+                elements[name] = (*elements.get(name, ()), of)
             case _:
                 pass
     return Ranges(locals_, elements)

@@ -267,6 +267,7 @@ class AssignElement:
     ctype: CType
     index: Expr
     value: Expr
+    most: tuple[int, ...] = ()  # of each element, where they differ and the caller has a proof of it
 
 
 @dataclass(frozen=True, slots=True)

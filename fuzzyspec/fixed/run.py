@@ -269,8 +269,11 @@ class _Frame:
                 self.arrays[name] = np.zeros((size, self.n), dtype=np.int64)
             case Window(name, _, table, start):
                 self.windows[name] = (self.tables[table], self.value(start))
-            case AssignElement(array, _, index, value):
-                self.store(self.arrays[array], self.value(index), self.value(value), mask)
+            case AssignElement(array, _, index, value, most):
+                at, new = self.value(index), self.value(value)
+                if most and self.checked:
+                    assert np.all((new <= np.array(most)[at]) | (mask is not None and ~mask)), stmt
+                self.store(self.arrays[array], at, new, mask)
             case Loop(counter, count, body):
                 for i in range(count):
                     self.locals[counter.name] = i

@@ -162,27 +162,33 @@ def in_loops(corners: Corners, scope: Scope) -> Lowered:
     inner: list[Stmt] = [Define(place, start, True)]
     source = _window(place, "corner", table, inner, scope)
     total = build.shift_right(_sum(corners, source, 0, highest), fmt.dropped)
-    inner.append(AssignElement(array, "uint32", counter, total))
+    most = [corners.most(o) >> fmt.dropped for o in range(each)]
+    count = len(offsets)
+    inner.append(AssignElement(array, "uint32", counter, total, _each(most, count)))
     steps: list[Stmt] = [
         Comment("sums over the inner corners, then along the other inputs"),
         DefineArray(array, "uint32", len(offsets)),
         Loop(counter, len(offsets), tuple(inner)),
     ]
-    most = [corners.most(o) >> fmt.dropped for o in range(each)]
-    count = len(offsets)
     for side, shift in zip(reversed(corners.sides), fmt.shifts, strict=True):
         count //= 2
         half = Local(scope.name("c"), "uint8", 0, count - 1)
         twice = build.mul(half, Const(2))
         low = Element(array, "uint32", twice, 0, max(most), False)
         high = Element(array, "uint32", build.add(twice, Const(1)), 0, max(most), False)
-        steps.append(Loop(half, count, (AssignElement(array, "uint32", half, _between(low, high, side, shift)),)))
+        between = _between(low, high, side, shift)
         most = [m * DEGREE_ONE >> shift for m in most]
+        steps.append(Loop(half, count, (AssignElement(array, "uint32", half, between, _each(most, count)),)))
     values: list[tuple[list[Stmt], Expr]] = []
     for o, name in enumerate(corners.names):
         value = Local(scope.name(f"{name}_along"), "uint32", 0, most[o])
         values.append(([Define(value, Element(array, "uint32", Const(o), 0, most[o], False), True)], value))
     return steps, values, [table, starts]
+
+
+def _each(most: Sequence[int], count: int) -> tuple[int, ...]:
+    """By element: the outputs' stand one after the other."""
+    return tuple(m for m in most for _ in range(count // len(most)))
 
 
 def _window(start: Local | Const, name: str, table: Table, steps: list[Stmt], scope: Scope) -> Table | Window:

@@ -6,6 +6,7 @@ C as a lemma and proved for all values by solvers; what neither proves is an ala
 
 from __future__ import annotations
 
+import re
 import shutil
 import tempfile
 from collections import Counter
@@ -112,8 +113,9 @@ def _with_states(
 def _proved(found: str, said: str, bits: int, progress: Progress | None) -> tuple[Proof, frozenset[str]]:
     """What one analysis comes to, and the claims of ours that were not proved."""
     from fuzzyspec.prove import eva
+    from fuzzyspec.prove.annotated import LABEL, OWN, TOTAL
     from fuzzyspec.prove.discharge import discharged
-    from fuzzyspec.prove.reading import LABEL, OWN, obligations
+    from fuzzyspec.prove.reading import obligations
 
     undecided = eva.undecided(said)
     facts = obligations(found, eva.shown(said))
@@ -130,8 +132,11 @@ def _proved(found: str, said: str, bits: int, progress: Progress | None) -> tupl
         if by is not None:
             proved[by] += 1
             continue
+        ghost = re.search(TOTAL + r"\w+", obligation.text)
         if obligation.kind.startswith(LABEL):
             unproved.add(obligation.kind)
+        elif ghost is not None:
+            unproved.add(ghost[0])
         kind = "range" if obligation.kind.startswith(LABEL) else obligation.kind
         alarms.append(Alarm(obligation.function, kind, obligation.text))
     unread = eva.alarms_said(said) - sum(o.kind not in ours for _, _, o in every)

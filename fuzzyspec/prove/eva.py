@@ -5,16 +5,14 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from pycparser import c_ast, c_generator
 
 from fuzzyspec.emit.statements import Ranges
-from fuzzyspec.prove.hints import Hints
-from fuzzyspec.prove.lemma import ANY, Wide
-from fuzzyspec.prove.reading import (
+from fuzzyspec.prove.annotated import (
     HINT,
     KEPT,
     LABEL,
@@ -24,10 +22,15 @@ from fuzzyspec.prove.reading import (
     assigned,
     integers,
     loads,
+    number,
     parse,
     type_of,
     written,
 )
+from fuzzyspec.prove.hints import Hints
+from fuzzyspec.prove.lemma import ANY, Wide
+from fuzzyspec.prove.rounds import written_out
+from fuzzyspec.prove.totals import totalled
 
 MACHDEPS = {32: "gcc_x86_32", 16: "gcc_x86_16"}
 WARN = ("-warn-signed-downcast", "-warn-unsigned-overflow", "-warn-unsigned-downcast")
@@ -77,12 +80,12 @@ def _run(folder: Path, bits: int, words: list[str]) -> str:
 def shown(said: str) -> dict[int, Wide]:
     """The values that the analyser showed, from the least to the greatest over all paths."""
     found: dict[int, Wide] = {}
-    for number, values in re.findall(SHOW + r"(\d+):\s*(\{[^}]*\}|\[[^\]]*\])", said):
+    for show, values in re.findall(SHOW + r"(\d+):\s*(\{[^}]*\}|\[[^\]]*\])", said):
         seen = [int(n) for n in re.findall(r"-?\d+", values.replace("--", ""))]
         # Of a type's every value it shows `--`.
         lo, hi = (ANY[0] if "[--" in values else seen[0]), (ANY[1] if "--]" in values else seen[-1])
-        least, greatest = found.get(int(number), (lo, hi))
-        found[int(number)] = min(lo, least), max(hi, greatest)
+        least, greatest = found.get(int(show), (lo, hi))
+        found[int(show)] = min(lo, least), max(hi, greatest)
     return found
 
 
@@ -119,6 +122,7 @@ def instrumented(
     for item in tree.ext:
         if isinstance(item, c_ast.FuncDef) and item.decl.name in ranges:
             name = item.decl.name
+            totalled(item, without)
             looks.function(item, ranges[name], results.get(name), hints.get(name, Hints({})))
     # The analyser has types of its own behind <stdint.h>, by the width of its int.
     tree.ext = tree.ext[PRELUDE:]
@@ -140,18 +144,23 @@ class _Looks:
         self._bound: Wide | None = None
         self._hints: dict[str, list[str]] = {}
         self._of, self._kept = "", ""
-        self._elements: dict[str, list[Wide]] = {}
+        self._elements: dict[int, tuple[Wide, ...]] = {}
         self.claims: list[str] = []
 
     def function(self, node: c_ast.FuncDef, ranges: Ranges, bound: Wide | None, hints: Hints) -> None:
         self._scalars, self._ranges, self._bound = set(), ranges.locals, bound
-        self._elements = {name: list(of) for name, of in ranges.elements.items()}
+        self._elements = dict(_stored(node.body, {name: list(of) for name, of in ranges.elements.items()}))
+        written_out(node, self._copied)
         self._hints = {name: list(of) for name, of in hints.after.items()}
         self._of, self._kept = hints.of, hints.kept
         parameters = node.decl.type.args.params if node.decl.type.args else []
         names = [p.name for p in parameters if type_of(p.type) in self._types]
         self._scalars |= set(names)
         node.body.block_items = [*self._shows(names), *self._block(node.body.block_items or [])]
+
+    def _copied(self, old: Any, new: Any) -> None:
+        if id(old) in self._elements:
+            self._elements[id(new)] = self._elements[id(old)]
 
     def _shows(self, names: list[str], claimed: bool = False) -> list[Any]:
         """A look at each, and what is claimed of it: after the look, which must not show what follows from a claim."""
@@ -191,6 +200,7 @@ class _Looks:
 
     def _block(self, items: list[Any]) -> list[Any]:
         made: list[Any] = []
+        outer = set(self._scalars)
         for item in items:
             if isinstance(item, c_ast.Return) and self._bound is not None and isinstance(item.expr, c_ast.ID):
                 made.append(self._claim(f"{self._bound[0]} <= {item.expr.name} <= {self._bound[1]}"))
@@ -199,6 +209,7 @@ class _Looks:
             made += self._loads(item)
             made.append(item)
             made += self._after(item)
+        self._scalars = outer
         return made
 
     def _after(self, item: Any) -> list[Any]:
@@ -210,8 +221,11 @@ class _Looks:
                 return self._shows([item.name], True) if item.init is not None else []
             case c_ast.Assignment() if isinstance(item.lvalue, c_ast.ID) and item.lvalue.name in self._scalars:
                 return self._shows([item.lvalue.name], True)
-            case c_ast.Assignment(lvalue=c_ast.ArrayRef(name=c_ast.ID())) if self._elements.get(item.lvalue.name.name):
-                lo, hi = self._elements[item.lvalue.name.name].pop(0)
+            case c_ast.Assignment() if id(item) in self._elements:
+                each, at = self._elements[id(item)], number(item.lvalue.subscript)
+                lo, hi = min(lo for lo, _ in each), max(hi for _, hi in each)
+                if at is not None and at < len(each) > 1:
+                    lo, hi = each[at]
                 return [self._claim(f"{lo} <= {written(item.lvalue)} <= {hi}")]
             case c_ast.If():
                 changed = sorted(assigned(item) & self._scalars)
@@ -243,6 +257,16 @@ class _Looks:
             return None
         items = (node.block_items or []) if isinstance(node, c_ast.Compound) else [node]
         return c_ast.Compound(self._block(items))
+
+
+def _stored(node: Any, elements: Mapping[str, list[tuple[Wide, ...]]]) -> Iterator[tuple[int, tuple[Wide, ...]]]:
+    """What is claimed of the elements that each assignment to an array sets, in the order of the C."""
+    for _, child in node.children():
+        match child:
+            case c_ast.Assignment(lvalue=c_ast.ArrayRef(name=c_ast.ID(name=name))) if elements.get(name):
+                yield id(child), elements[name].pop(0)
+            case _:
+                yield from _stored(child, elements)
 
 
 def _call(name: str, *arguments: str) -> c_ast.FuncCall:

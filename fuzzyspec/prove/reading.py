@@ -2,96 +2,34 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import count
 from typing import Any
 
-from pycparser import c_ast, c_generator, c_parser
+from pycparser import c_ast, c_parser
 
-from fuzzyspec.prove.lemma import ANY, Expr, Facts, Num, Obligation, Op, Var, Version, Wide
-
-ANNOTATION = re.compile(r"/\*@(.*?)\*/\s*;?", re.DOTALL)
-ASSERT = re.compile(r"\s*assert\s+(?:Eva:)?\s*(?:(\w+):)?(.*);\s*$", re.DOTALL)
-STDINT = "".join(
-    f"typedef {base} {name};\n"
-    for name, base in {
-        "uint8_t": "unsigned char",
-        "int8_t": "signed char",
-        "uint16_t": "unsigned short",
-        "int16_t": "short",
-        "uint32_t": "unsigned int",
-        "int32_t": "int",
-        "uint_fast8_t": "unsigned int",
-        "uint_fast16_t": "unsigned int",
-    }.items()
+from fuzzyspec.prove.annotated import (
+    CLAIM,
+    KEPT,
+    SHOW,
+    STDINT,
+    STEPS,
+    TOTAL,
+    assigned,
+    integers,
+    number,
+    parse,
+    place,
+    tables,
+    type_of,
+    written,
 )
-PRELUDE = STDINT.count("typedef")
-SHOW = "Frama_C_show_each_"
-CLAIM = "fuzzyc_claim_"
-STEPS = ("p++", "p--", "++", "--")
-LONGEST = 128
-"""Entries of a table."""
-HINT = "fuzzyc_hint_"
-LABEL, OWN, KEPT = "range_", "given_", "kept_"
-"""How the assertions are named that are ours: what a local keeps to, what the driver asks, and what a loop keeps."""
+from fuzzyspec.prove.lemma import ANY, Expr, Facts, Num, Obligation, Op, Var, Version, Wide
 
 
 class Unread(Exception):
     """An expression of more than integers."""
-
-
-def parse(text: str) -> tuple[c_ast.FileAST, list[tuple[str, str]]]:
-    """The C without includes, each assertion a call of ``CLAIM`` and its number; the kinds and texts of these."""
-    claims: list[tuple[str, str]] = []
-
-    def claim(found: re.Match[str]) -> str:
-        held = ASSERT.match(found[1])
-        if held is None:
-            return ""
-        claims.append((held[1] or "assertion", " ".join(held[2].split())))
-        return f"{CLAIM}{len(claims) - 1}();"
-
-    body = ANNOTATION.sub(claim, text)
-    body = re.sub(r"/\*.*?\*/|^#[^\n]*$", "", body, flags=re.DOTALL | re.MULTILINE)
-    return c_parser.CParser().parse(STDINT + body), claims
-
-
-def integers(node: c_ast.FileAST) -> dict[str, Wide]:
-    """The types of the unit that are integers, with their values."""
-    found: dict[str, Wide] = {}
-    for bits in (8, 16, 32):
-        found[f"uint{bits}_t"] = (0, 2**bits - 1)
-        found[f"int{bits}_t"] = (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-    found |= {"uint_fast8_t": ANY, "uint_fast16_t": ANY, "int": ANY, "unsigned int": ANY, "unsigned long": ANY}
-    found |= {"long": ANY, "unsigned short": (0, 65535), "unsigned char": (0, 255), "short": (-32768, 32767)}
-    for item in node.ext:
-        if isinstance(item, c_ast.Typedef) and item.name not in found:
-            of = type_of(item.type)
-            if of is not None and of in found:
-                found[item.name] = found[of]
-    return found
-
-
-def tables(node: c_ast.FileAST) -> dict[str, tuple[int, ...]]:
-    """The constant arrays of the unit that are short enough to be reasoned about."""
-    found: dict[str, tuple[int, ...]] = {}
-    for item in node.ext:
-        if not isinstance(item, c_ast.Decl) or not isinstance(item.type, c_ast.ArrayDecl):
-            continue
-        if "const" in item.type.type.quals and isinstance(item.init, c_ast.InitList):
-            entries = [e.expr if isinstance(e, c_ast.Cast) else e for e in item.init.exprs]
-            if len(entries) <= LONGEST and all(isinstance(e, c_ast.Constant) for e in entries):
-                found[item.name] = tuple(int(e.value.rstrip("uUlL"), 0) for e in entries)
-    return found
-
-
-def type_of(node: Any) -> str | None:
-    """The name of a type that has one."""
-    if isinstance(node, c_ast.TypeDecl) and isinstance(node.type, c_ast.IdentifierType):
-        return " ".join(node.type.names)
-    return None
 
 
 def obligations(text: str, shown: Mapping[int, Wide]) -> list[Facts]:
@@ -126,6 +64,8 @@ class Reader:
                 self._scalars[parameter.name] = types[of]
                 self._new(parameter.name, None)
         self._tables = tables
+        self._arrays: dict[str, int] = {}
+        """The arrays of the function's own that hold integers, with their sizes: elements are values by their index."""
         self._loaded: dict[str, str] = {}
         """What was read last from each place, as it is written, until the statement that reads it has ended."""
         self._stored = ("", "")
@@ -165,6 +105,13 @@ class Reader:
             case c_ast.Compound():
                 for item in node.block_items or ():
                     self._walk(item)
+            case c_ast.Decl(type=c_ast.ArrayDecl(type=element, dim=dim)):
+                size, of = number(dim), type_of(element)
+                if size is not None and of is not None and of in self._types:
+                    self._arrays[node.name] = size
+                    for at in range(size):
+                        self._scalars[f"{node.name}[{at}]"] = self._types[of]
+                    self._forget({node.name})
             case c_ast.Decl():
                 of = type_of(node.type)
                 if of is not None and of in self._types:
@@ -176,7 +123,7 @@ class Reader:
                     value = c_ast.BinaryOp(node.op[:-1], node.lvalue, node.rvalue)
                 self._new(node.lvalue.name, self._value(value))
             case c_ast.Assignment() if isinstance(node.lvalue, c_ast.ArrayRef):
-                self._stored = place(node.lvalue), self._fresh("element", ANY, self._value(node.rvalue))
+                self._store(node)
             case c_ast.UnaryOp(op=op) if op in STEPS and isinstance(node.expr, c_ast.ID):
                 step = Op(op[-1], (self._value(node.expr), Num(1)))
                 self._new(node.expr.name, step)
@@ -192,13 +139,16 @@ class Reader:
     def _call(self, node: c_ast.FuncCall) -> None:
         name = node.name.name
         if name.startswith(SHOW):
-            number, seen = int(name.removeprefix(SHOW)), node.args.exprs[0]
+            at, seen = int(name.removeprefix(SHOW)), node.args.exprs[0]
             while isinstance(seen, c_ast.Cast):
                 seen = seen.expr
             if isinstance(seen, c_ast.ID):
-                self._narrow(seen.name, self._shown.get(number, ANY))
+                self._narrow(seen.name, self._shown.get(at, ANY))
+            elif (element := self._element(seen)) is not None:
+                self._value(seen)
+                self._narrow(element, self._shown.get(at, ANY))
             else:
-                self._loaded[place(seen)] = self._fresh("load", self._shown.get(number, ANY), None)
+                self._loaded[place(seen)] = self._fresh("load", self._shown.get(at, ANY), None)
         elif name.startswith(CLAIM):
             kind, text = self._claims[int(name.removeprefix(CLAIM))]
             if kind.startswith(KEPT):
@@ -207,6 +157,51 @@ class Reader:
                 self._path = self._path if kept is None else (*self._path, kept)
                 return
             self.facts.obligations.append(Obligation(self._name, kind, text, self._claim(text), self._path))
+
+    # --- elements of arrays ---------------------------------------------------------------------
+
+    def _element(self, node: Any) -> str | None:
+        """How an element is named that is a value of its own, or None."""
+        if isinstance(node, c_ast.ArrayRef) and isinstance(node.name, c_ast.ID) and node.name.name in self._arrays:
+            at = number(node.subscript)
+            if at is not None and at < self._arrays[node.name.name]:
+                return f"{node.name.name}[{at}]"
+        return None
+
+    def _store(self, node: c_ast.Assignment) -> None:
+        target: Any = node.lvalue
+        value = node.rvalue if node.op == "=" else c_ast.BinaryOp(node.op[:-1], target, node.rvalue)
+        element = self._element(target)
+        stored = self._value(value)
+        if element is not None:
+            self._looked_into(element)
+            self._new(element, stored)
+            return
+        self._forget({written(target.name)})
+        self._stored = place(target), self._fresh("element", ANY, stored)
+
+    def _forget(self, changed: set[str]) -> None:
+        """Of variables that may have changed nothing is known any more, nor of the elements of arrays."""
+        for name in sorted(self._now):
+            array, bracket, _ = name.partition("[")
+            if array in changed and bracket:
+                del self._now[name]
+            elif name in changed:
+                self._new(name, None)
+
+    def _looked_into(self, element: str) -> Expr:
+        """An element's value; where nothing is known of any element of the array, the ghost tells their sum."""
+        if element not in self._now:
+            array = element.partition("[")[0]
+            others = [n for n in (f"{array}[{at}]" for at in range(self._arrays[array])) if n != element]
+            rest: Expr | None = None
+            if TOTAL + array in self._now and not any(n in self._now for n in others):
+                rest = Var(self._now[TOTAL + array])
+                for name in others:
+                    self._new(name, None)
+                    rest = Op("-", (rest, Var(self._now[name])))
+            self._new(element, rest)
+        return Var(self._now[element])
 
     def _branch(self, node: c_ast.If) -> None:
         condition = self._value(node.cond)
@@ -220,23 +215,21 @@ class Reader:
         other = self._now
         self._now, self._path = dict(before), path
         for name in before:
-            if then[name] != other[name]:
+            if name not in then or name not in other:
+                del self._now[name]
+            elif then[name] != other[name]:
                 self._new(name, Op("?", (condition, Var(then[name]), Var(other[name]))))
 
     def _loop(self, node: c_ast.While) -> None:
-        before, path = dict(self._now), self._path
-        for name in sorted(assigned(node.stmt)):
-            if name in self._now:
-                self._new(name, None)
+        path, changed = self._path, assigned(node.stmt)
+        self._forget(changed)
         head = dict(self._now)
         condition = self._value(node.cond)
         self._path = (*path, condition)
         self._walk(node.stmt)
         self._path = path
-        self._now = dict(head.items())
-        for name in sorted(assigned(node.stmt)):
-            if name in before:
-                self._new(name, None)
+        self._now = head
+        self._forget(changed)
 
     # --- expressions ----------------------------------------------------------------------------
 
@@ -284,6 +277,8 @@ class Reader:
                 return Op("?", (self._value(node.cond), self._value(node.iftrue), self._value(node.iffalse)))
             case c_ast.Cast():
                 return self._cast(type_of(node.to_type.type), self._value(node.expr))
+            case c_ast.ArrayRef() if (element := self._element(node)) is not None:
+                return self._looked_into(element)
             case c_ast.ArrayRef() if self._stored[0] == place(node):
                 return Var(self._stored[1])
             case c_ast.ArrayRef(name=c_ast.ID()) if node.name.name in self._tables:
@@ -310,43 +305,3 @@ class Reader:
             return value
         lo, hi = found
         return Op(f"{'sign' if lo < 0 else 'wrap'}{(hi - lo).bit_length()}", (value,))
-
-
-def loads(node: Any) -> list[Any]:
-    """What an expression reads through a pointer or from an array or structure."""
-    if isinstance(node, c_ast.ArrayRef | c_ast.StructRef) or (isinstance(node, c_ast.UnaryOp) and node.op == "*"):
-        return [node]
-    return [load for _, child in node.children() for load in loads(child)]
-
-
-def written(node: Any) -> str:
-    """An expression as C."""
-    text: str = c_generator.CGenerator().visit(node)
-    return text
-
-
-def place(node: Any) -> str:
-    """What an expression reads, whatever casts of indices it is written with: the analyser holds that none loses."""
-    match node:
-        case c_ast.Cast():
-            return place(node.expr)
-        case c_ast.BinaryOp():
-            return f"({place(node.left)} {node.op} {place(node.right)})"
-        case c_ast.ArrayRef():
-            return f"{place(node.name)}[{place(node.subscript)}]"
-        case c_ast.UnaryOp():
-            return f"{node.op}({place(node.expr)})"
-        case _:
-            return written(node)
-
-
-def assigned(node: Any) -> set[str]:
-    """The variables that a statement may change, other than its own."""
-    found: set[str] = set()
-    for _, child in node.children():
-        found |= assigned(child)
-    if isinstance(node, c_ast.Assignment) and isinstance(node.lvalue, c_ast.ID):
-        found.add(node.lvalue.name)
-    if isinstance(node, c_ast.UnaryOp) and node.op in STEPS and isinstance(node.expr, c_ast.ID):
-        found.add(node.expr.name)
-    return found

@@ -30,6 +30,7 @@ CASES: tuple[tuple[str, Goal, Target], ...] = (
     ("benchmarks/w2", "speed", "cortex-m0plus"),
     ("benchmarks/w2", "size", "cortex-m0plus"),
     ("benchmarks/w3", "balanced", "rv32imc"),
+    ("benchmarks/w3s", "size", "cortex-m0plus"),
 )
 """Each way to divide by loops, by the machine, by a table and without is among them; the rest is `make prove`'s."""
 SEEDS = (1, 3)
