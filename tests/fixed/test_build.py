@@ -118,6 +118,7 @@ def test_division_by_a_constant_is_a_product_where_it_can_be(divisor: int, hi: i
 
 
 @given(left=operands("a"), count=st.integers(-1, 33))
+@example(left=Operand(Const(0), (0,)), count=32)
 def test_shifts_lose_nothing_to_the_left(left: Operand, count: int) -> None:
     """A left shift that could push a bit out of 32 is refused, and so is any shift of a negative or by 32 and more."""
     right = Operand(Const(count), (count,))
