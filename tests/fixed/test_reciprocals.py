@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fuzzyspec.fixed import build
@@ -79,6 +80,8 @@ def test_what_a_digit_leaves(bits: int) -> None:
 
 @pytest.mark.parametrize("by", MISSING)
 @given(a=st.integers(0, 2**27), b=st.integers(0, 2**27))
+@example(a=0, b=2**20)
+@example(a=1, b=2**27)
 def test_every_divisor_is_shifted_up(by: Division, a: int, b: int) -> None:
     """Any divisor of an interval comes to lie between ``2**(width - 1 - MISSING)`` and ``2**width``."""
     lo, hi = min(a, b), max(a, b)
@@ -90,6 +93,16 @@ def test_every_divisor_is_shifted_up(by: Division, a: int, b: int) -> None:
             if den < 2 ** (kernel.width - step):
                 den <<= step
         assert 2 ** (kernel.width - 1 - MISSING[by]) <= den <= 2**kernel.width
+
+
+@pytest.mark.parametrize("by", MISSING)
+@given(a=st.integers(1, 2**27), b=st.integers(1, 2**27))
+def test_sharing_costs_no_step(by: Division, a: int, b: int) -> None:
+    """A kernel that covers more divisors than those of an interval shifts no oftener than its own would."""
+    lo, hi = min(a, b), max(a, b)
+    kernel = kernel_of(node(lo, hi, by))
+    width = max((hi - 1).bit_length(), TOP_BITS + 1)
+    assert len(kernel.steps) == len(replace(kernel, width=width, missing=width - lo.bit_length()).steps)
 
 
 def test_divisors_that_are_too_large_are_divided_otherwise() -> None:
