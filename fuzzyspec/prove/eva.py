@@ -53,10 +53,16 @@ def normalised(folder: Path, sources: list[str], bits: int) -> str:
 
 def analysed(folder: Path, source: str, bits: int) -> tuple[str, str]:
     """The C with every alarm as an annotation, and what the analyser said. Raises AnalyserFailed."""
-    said = _run(folder, bits, [*WARN, *PRECISE, source, "-then", "-print", "-ocode", "alarms.c"])
+    said = reported(folder, [source, "-then", "-print", "-ocode", "alarms.c"], bits)
+    return (folder / "alarms.c").read_text(encoding="utf-8"), said
+
+
+def reported(folder: Path, words: list[str], bits: int) -> str:
+    """What the analyser said of the C in ``words``, which may hold more of its options. Raises AnalyserFailed."""
+    said = _run(folder, bits, [*WARN, *PRECISE, *words])
     if "ANALYSIS SUMMARY" not in said:
         raise AnalyserFailed("frama-c did not finish", said)
-    return (folder / "alarms.c").read_text(encoding="utf-8"), said
+    return said
 
 
 def _run(folder: Path, bits: int, words: list[str]) -> str:

@@ -1,8 +1,8 @@
 """Shows that no input gives a condition of the generated C an outcome, or finds an input that does.
 
-The printed C is run on boxes of inputs (``boxes``), every one of a function's inputs in one of them. A box in which the
-outcome cannot come up is done with; any other is cut in two, at a place where the meaning changes if there is one in
-it, down to boxes of one input.
+What the analyser shows (``analysed``) is done with. For the rest the printed C is run on boxes of inputs (``boxes``),
+every one of a function's inputs in one of them. A box in which the outcome cannot come up is done with; any other is
+cut in two, at a place where the meaning changes if there is one in it, down to boxes of one input.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from fuzzyspec.native.workspace import PRODUCT, Workspace
 from fuzzyspec.verify.draw import c_limits
 from fuzzyspec.verify.points import special_raws
 from fuzzyspec.verify.subject import Subject
+from tests.coverage.analysed import impossible
 from tests.coverage.boxes import Boxes, Ints, Span
 from tests.coverage.measured import Condition, Outcome
 from tests.mutation.c_machine import Machine
@@ -84,6 +85,20 @@ def verdicts(
     most: int = MOST,
 ) -> dict[Outcome, Verdict]:
     """What becomes of each outcome. ``most``: boxes of each function that are run before it is given up."""
+    if not missed:
+        return {}
+    gone = impossible(program, files, missed, _marked, WATCH)
+    rest = [o for o in missed if o not in gone]
+    return dict.fromkeys(gone, "unreachable") | _searched(program, files, subjects, rest, most)
+
+
+def _searched(
+    program: Program,
+    files: Mapping[str, bytes],
+    subjects: Sequence[Subject],
+    missed: Sequence[Outcome],
+    most: int,
+) -> dict[Outcome, Verdict]:
     source = next(n for n in files if n.endswith(".c") and not n.endswith("_selftest.c"))
     marked = _marked(files[source].decode(), [o.condition for o in missed])
     with Workspace(program, files) as workspace:
