@@ -52,12 +52,12 @@ from fuzzyspec.model.variable import Variable
 class ControllerNumbers:
     """What the certificate needs to know of the integers chosen.
 
-    ``degree_errors`` by input and ``cell_error``/``sentence_errors`` are in degrees; ``fires_at`` by output is the
-    threshold that the program compares with.
+    ``degree_errors`` by input and term and ``cell_error``/``sentence_errors`` are in degrees; ``fires_at`` by output is
+    the threshold that the program compares with.
     """
 
     controller: Controller
-    degree_errors: tuple[Fraction, ...]
+    degree_errors: tuple[tuple[Fraction, ...], ...]
     cell_error: Fraction
     sentence_errors: tuple[Fraction, ...]
     outputs: tuple[CentroidNumbers | AverageNumbers | MultilinearNumbers, ...]
@@ -152,7 +152,7 @@ def lower_controller(
     )
     return function, ControllerNumbers(
         controller,
-        tuple(d.error for d in degrees) if linear is None else linear.degree_errors,
+        tuple(d.errors for d in degrees) if linear is None else linear.degree_errors,
         firing.cell_error,
         tuple(firing.sentence_errors.get(i, Fraction(0)) for i in range(len(controller.sentences))),
         tuple(numbers),
@@ -172,7 +172,7 @@ def _degrees(
         slid = slide(item, DEGREE_ONE, lambda k: [Assign(upper, Const(k))], bit, scope)
         two = len(item.terms) == 2
         body: list[Stmt] = slid.steps if two else [Define(upper, Const(0), False), *slid.steps]
-        found = Degrees("", 2, Const(0) if two else upper, slid.error, slid.degree)
+        found = Degrees("", 2, Const(0) if two else upper, (slid.error,) * len(item.terms), slid.degree)
         return (body, found, []) if bare else (*in_array(item, body, found, scope), [])
     variable = item.variable
     given = ReadPort(variable.name, variable.raw.ctype, *build.LIMITS[variable.raw.ctype])

@@ -43,7 +43,7 @@ class Degrees:
     Slot j of ``array`` holds the degree of term ``first + j``: two slots and a local ``first`` in a strong
     partition, else
     a slot a term and 0. ``upper`` is the local with the upper term's degree where the two are kept without an array
-    (firing by minors then reads it). ``error`` bounds every degree's error, in degrees [0, 1].
+    (firing by minors then reads it). ``errors`` bound each term's degree's error, in degrees [0, 1].
     Where terms are not a strong partition and are fuzzified by zones (``lower.zones``), ``first`` says which of
     ``groups`` of terms can be active, and the locals ``members`` hold the degrees of the terms in it, in their order.
     """
@@ -51,7 +51,7 @@ class Degrees:
     array: str
     slots: int
     first: Expr
-    error: Fraction
+    errors: tuple[Fraction, ...]
     upper: Local | None = None
     groups: tuple[tuple[int, ...], ...] = ()
     members: tuple[Local, ...] = ()
@@ -166,12 +166,12 @@ def fuzzify(
         at = bound
     array = scope.name(f"{item.name}_mu")
     body += zeroed(array, "uint16", len(item.terms), scope)
-    worst = Fraction(0)
+    errors: list[Fraction] = []
     for k, term in enumerate(item.terms):
         pieces = straight_pieces(term.shape, variable.raw)
-        worst = max([worst, *(p.line.error for p in pieces)])
+        errors.append(max((p.line.error for p in pieces), default=Fraction(0)) / DEGREE_ONE)
         body.extend(_chain(pieces, at, lambda e, k=k: AssignElement(array, "uint16", Const(k), e)))
-    return body, Degrees(array, len(item.terms), Const(0), worst / DEGREE_ONE)
+    return body, Degrees(array, len(item.terms), Const(0), tuple(errors))
 
 
 def _strong(
@@ -191,7 +191,7 @@ def _strong(
     body.append(Define(degree, Const(0), False))
     if last:
         body.append(Define(first, Const(0), False))
-    worst = Fraction(0)
+    errors = [Fraction(0)] * len(places)
     runs: list[Run] = []
     for k, (low, high) in enumerate(pairwise(places)):
         start = max(0, math.ceil(low))
@@ -209,7 +209,8 @@ def _strong(
             # Up to a peak that is a raw itself, so that even pieces have one line (`slide` relies on that).
             length = straight - start if k == last else math.floor(high) - start
             line = fit((start - low) * slope, slope, max(0, length))
-            worst = max(worst, line.error)
+            for term in (k, k + 1):
+                errors[term] = max(errors[term], line.error / one)
             steps: list[Stmt] = [Assign(first, Const(k))] if k else []
             steps += _piece(line, given, start, end, straight, degree, scope, item.name, one)
             runs.append((start, end, steps))
@@ -219,15 +220,15 @@ def _strong(
     body.extend(search(runs, given))
     index: Expr = first if last else Const(0)
     if bare:
-        return body, Degrees("", 2, index, worst / one, degree)
+        return body, Degrees("", 2, index, tuple(errors), degree)
     if dense:
         array = scope.name(f"{item.name}_mu")
         low_degree = build.sub(Const(one), degree)
         body += zeroed(array, "uint16", len(places), scope)
         body.append(AssignElement(array, "uint16", index, low_degree))
         body.append(AssignElement(array, "uint16", build.add(index, Const(1)), degree))
-        return body, Degrees(array, len(places), Const(0), worst / one)
-    return in_array(item, body, Degrees("", 2, index, worst / one, degree), scope)
+        return body, Degrees(array, len(places), Const(0), tuple(errors))
+    return in_array(item, body, Degrees("", 2, index, tuple(errors), degree), scope)
 
 
 def in_array(item: Input, body: list[Stmt], found: Degrees, scope: Scope) -> tuple[list[Stmt], Degrees]:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
+
+import numpy as np
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import Const, Expr
@@ -23,8 +26,7 @@ class Line:
     """A rounded line over ``u = 0 .. length``.
 
     ``error`` bounds ``|y - (start + slope * u)|`` in units of y (lemma "line" of docs/numbers.md); ``top`` is the
-    largest
-    y it takes, which may exceed the true one by a rounding.
+    largest y it takes, which may exceed the true one by a rounding.
     """
 
     slope: int
@@ -47,6 +49,7 @@ class Line:
         return build.shift_right(value, self.shift)
 
 
+@lru_cache(maxsize=1024)
 def fit(start: Fraction, slope: Fraction, length: int) -> Line:
     """The integer line nearest to ``start + slope * u`` over ``u = 0 .. length``, all values in [0, 2**15].
 
@@ -72,6 +75,18 @@ def fit(start: Fraction, slope: Fraction, length: int) -> Line:
     at_end = at_start + (Fraction(signed, scale) - slope) * length
     top = max(offset, offset + signed * length) >> shift
     error = half + max(abs(at_start), abs(at_end))
+    if shift:
+        error = min(error, _farthest(start, slope, length, offset, signed, shift))
     # Below 1, so a degree that is exactly 0 or 1 comes out exactly.
     assert error < 1
     return Line(m, falling, offset, shift, length, error, top)
+
+
+def _farthest(start: Fraction, slope: Fraction, length: int, offset: int, signed: int, shift: int) -> Fraction:
+    """The largest error over all u, each looked at; 1 where that takes more than 64 bits."""
+    common = math.lcm(start.denominator, slope.denominator)
+    if common >= 2**30 or length > 2**16:
+        return Fraction(1)
+    u = np.arange(length + 1, dtype=np.int64)
+    exact = int(start * common) + int(slope * common) * u
+    return Fraction(int(np.abs(((offset + signed * u) >> shift) * common - exact).max()), common)

@@ -44,7 +44,7 @@ class Interpolated:
 
     body: list[Stmt]
     status: list[StatusBit]
-    degree_errors: tuple[Fraction, ...]
+    degree_errors: tuple[tuple[Fraction, ...], ...]
     outputs: list[tuple[list[Stmt], Expr, MultilinearNumbers]]
     tables: list[Table]
 
@@ -109,7 +109,7 @@ def interpolate(controller: Controller, cells: CellRules, way: Interpolation, sc
 
 def _fuzzified(
     controller: Controller, cells: CellRules, fmt: Format, scope: Scope
-) -> tuple[list[Stmt], list[StatusBit], Cell, list[Local], tuple[Fraction, ...]]:
+) -> tuple[list[Stmt], list[StatusBit], Cell, list[Local], tuple[tuple[Fraction, ...], ...]]:
     strides = [math.prod(cells.shape[i + 1 :]) for i in range(len(cells.shape))]
     top = sum(highest(i) * s for i, s in zip(controller.inputs, strides, strict=True))
     cell = Cell(Local(scope.name("cell"), build.smallest_type(0, top), 0, top) if top else None)
@@ -119,7 +119,7 @@ def _fuzzified(
         body += [Define(cell.local, Const(0), False)]
     status: list[StatusBit] = []
     degrees: list[Local] = []
-    errors: list[Fraction] = []
+    errors: list[tuple[Fraction, ...]] = []
     saturations: list[Stmt] = []
     for i, (item, stride) in enumerate(zip(controller.inputs, strides, strict=True)):
         variable = item.variable
@@ -133,7 +133,7 @@ def _fuzzified(
         body += found.steps
         saturations += found.told
         degrees.append(found.degree)
-        errors.append(found.error)
+        errors.append((found.error,) * len(item.terms))
     return body + saturations, status, cell, degrees, tuple(errors)
 
 

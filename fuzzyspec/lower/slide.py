@@ -186,4 +186,6 @@ def _chain(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scop
     body, value, told = saturated(variable, given, variable.name, bit, scope)
     steps, found = fuzzify(item, value, scope, dense=False, bare=True, one=one)
     assert found.upper is not None
-    return Fuzzified([*body, *steps, *cell.up(build.mul(found.first, Const(stride)))], told, found.upper, found.error)
+    return Fuzzified(
+        [*body, *steps, *cell.up(build.mul(found.first, Const(stride)))], told, found.upper, max(found.errors)
+    )

@@ -74,17 +74,17 @@ def zoned(item: Input, given: Reading, scope: Scope, named: Container[int] | Non
     members = tuple(Local(scope.name(f"{item.name}_mu"), "uint16", 0, DEGREE_ONE) for _ in range(most))
     body: list[Stmt] = [Define(m, Const(0), False) for m in ((group, *members) if len(groups) > 1 else members)]
     runs: list[Run] = []
-    error = Fraction(0)
+    errors = [Fraction(0)] * len(item.terms)
     for zone in zones_of(item, named):
         number = groups.index(zone.terms)
         steps: list[Stmt] = [Assign(group, Const(number))] if number else []
-        for member, (_, piece) in zip(members, zone.pieces, strict=False):
+        for member, (term, piece) in zip(members, zone.pieces, strict=False):
             steps.append(Assign(member, _degree(piece, given)))
-            error = max(error, piece.line.error)
+            errors[term] = max(errors[term], piece.line.error / DEGREE_ONE)
         runs.append((zone.start, zone.end, steps))
     body += search(runs, given)
     first: Expr = group if len(groups) > 1 else Const(0)
-    return body, Degrees("", most, first, error / DEGREE_ONE, None, groups, members)
+    return body, Degrees("", most, first, tuple(errors), None, groups, members)
 
 
 def _degree(piece: Piece, given: Reading) -> Expr:

@@ -65,7 +65,7 @@ void temperature_fan_init(temperature_fan_state_t *state);
 
 /* One call of controller fan.
  * duty: certified error 0.29 %, 0.29 % of range; reaches 10 .. 86 % while a rule fires
- * errors by origin: degrees 10 %, areas and moments 2 %, quotient and rounding 88 %
+ * errors by origin: degrees 9 %, areas and moments 2 %, quotient and rounding 88 %
  * decisions on computed values, where the exact meaning may decide otherwise only this near a tie:
  *   whether duty fires [fires.duty]: within 0.000043
  */

@@ -27,8 +27,8 @@ NEAR = 1e-6
 F = Fraction
 
 
-def degrees(item: Input, dense: bool) -> tuple[np.ndarray, np.ndarray, Fraction]:
-    """All legal raws, the integer degree of every term there (terms, raws), and the stated error in degrees."""
+def degrees(item: Input, dense: bool) -> tuple[np.ndarray, np.ndarray, tuple[Fraction, ...]]:
+    """All legal raws, the integer degree of every term there (terms, raws), and its stated error."""
     raw = item.variable.raw
     start, local = reading("raw", raw.ctype, raw.lo, raw.hi)
     body, found = fuzzify(item, local, Scope(), dense)
@@ -38,15 +38,15 @@ def degrees(item: Input, dense: bool) -> tuple[np.ndarray, np.ndarray, Fraction]
     table = np.zeros((len(item.terms), len(raws)), dtype=np.int64)
     for j in range(found.slots):
         table[seen["first"] + j, np.arange(len(raws))] = seen[f"s{j}"]
-    return raws, table, found.error
+    return raws, table, found.errors
 
 
 def holds(item: Input, dense: bool = True) -> None:
     """Every degree of every term at every legal raw is within the stated error, and exact where it is 0 or 1."""
-    raws, table, error = degrees(item, dense)
+    raws, table, errors = degrees(item, dense)
     raw = item.variable.raw
     values = np.array([float(raw.value(int(r))) for r in raws])
-    for row, term in zip(table, item.terms, strict=True):
+    for row, term, error in zip(table, item.terms, errors, strict=True):
         exact = degree(term.shape, values.copy())
         assert row.min() >= 0 and row.max() <= DEGREE_ONE
         beyond = np.abs(row / DEGREE_ONE - exact) > float(error) - NEAR

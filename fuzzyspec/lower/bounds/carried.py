@@ -104,7 +104,7 @@ class _Exact(Search):
 
     def ends(self, i: int) -> tuple[float, float]:
         low, high = self.rounded.around(i)
-        own = float(self.rounded.numbers.degree_errors[i])
+        own = float(max(self.rounded.numbers.degree_errors[i]))
         return max(0.0, low - own), min(1.0, high + own)
 
     def raws(self, i: int) -> tuple[float, float] | None:

@@ -98,8 +98,8 @@ def slid(strengths: Strengths) -> list[list[float]]:
 
 def rounded(strengths: Strengths) -> list[list[float]]:
     """By input and pair of neighbouring peaks, how far degrees are moved by their rounding."""
-    own = zip(strengths.controller.inputs, strengths.numbers.degree_errors, strict=True)
-    return [[float(error)] * (len(item.terms) - 1) for item, error in own]
+    # Each piece's error counts for both of its terms.
+    return [[float(min(pair)) for pair in itertools.pairwise(errors)] for errors in strengths.numbers.degree_errors]
 
 
 def pieces_of(strengths: Strengths, output: int, moves: list[list[float]], *, beyond: bool = False) -> Pieces:

@@ -104,10 +104,9 @@ class Strengths:
         """Degrees of every term of every input."""
         found: list[list[Band]] = []
         for i, terms in enumerate(self.terms):
-            own = float(self.numbers.degree_errors[i])
             e = self.errors[i]
             row: list[Band] = []
-            for m in terms:
+            for m, own in zip(terms, map(float, self.numbers.degree_errors[i]), strict=True):
                 lo, hi = m.over(boxes.lo[:, i] - e, boxes.hi[:, i] + e)
                 rounding = np.where((hi <= 0) | (lo >= 1), 0.0, own)
                 if not e:
@@ -128,7 +127,9 @@ class Strengths:
         numbers = self.numbers
         one = replace(
             numbers,
-            degree_errors=tuple(e if k == i else Fraction(0) for k, e in enumerate(numbers.degree_errors)),
+            degree_errors=tuple(
+                errors if k == i else (Fraction(0),) * len(errors) for k, errors in enumerate(numbers.degree_errors)
+            ),
             cell_error=numbers.cell_error if i is None else Fraction(0),
             sentence_errors=tuple(e if i is None else Fraction(0) for e in numbers.sentence_errors),
         )
@@ -136,9 +137,8 @@ class Strengths:
 
     def farthest(self, i: int) -> float:
         """How far an interpolation along input i can be led astray, in units of an edge; not capped at 1, since an
-        input's
-        error may reach over several terms."""
-        return float(self.numbers.degree_errors[i]) + self.errors[i] * max(m.steepest for m in self.terms[i])
+        input's error may reach over several terms."""
+        return float(max(self.numbers.degree_errors[i])) + self.errors[i] * max(m.steepest for m in self.terms[i])
 
     def travel(self, boxes: Boxes) -> Floats:
         """By input, the most that a degree can move from one side of a box to the other, jumps apart; (B, inputs)."""
