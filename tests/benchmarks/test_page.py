@@ -12,6 +12,7 @@ import pytest
 
 from benchmarks import own
 from benchmarks.__main__ import main
+from benchmarks.baselines import lookup_c
 from benchmarks.page import _up, page
 from benchmarks.peers import PEERS, measure_generated, measure_peer, task_of
 from benchmarks.peers.counted import instructions
@@ -76,7 +77,7 @@ def test_no_page_comes_of_c_that_computes_something_else(
 ) -> None:
     """A table's C with one entry changed is not its model's: status 1, the case named, nothing written."""
     compiler_for("cortex-m0plus")
-    right = own.lookup_c
+    right = lookup_c
 
     def wrong(*arguments: Any) -> str:
         return right(*arguments).replace("return status;", "out->ddc ^= 1U;\n    return status;")

@@ -49,7 +49,7 @@ def test_default_raws_lie_inside_the_range(ends: list[Fraction]) -> None:
 @given(RANGES, st.fractions(min_value=Fraction(1, 1000), max_value=1000, max_denominator=1000))
 def test_stepped_raws_lie_inside_the_range(ends: list[Fraction], step: Fraction) -> None:
     """The same with a step."""
-    raw = stepped(*ends, "int16", step)
+    raw = stepped(ends[0], ends[1], "int16", step)
     assume(raw.lo <= raw.hi)
     legal_raws_are_those_inside(raw, *ends)
     assert raw.value(0) == 0
@@ -59,7 +59,7 @@ def test_stepped_raws_lie_inside_the_range(ends: list[Fraction], step: Fraction)
 def test_counts_map_onto_the_range(ends: list[Fraction], first: int, last: int) -> None:
     """The first count is the low end, the last the high end, whichever is greater."""
     assume(first != last)
-    raw = counted(*ends, "uint16", first, last)
+    raw = counted(ends[0], ends[1], "uint16", first, last)
     assert (raw.value(first), raw.value(last)) == tuple(ends)
     assert (raw.lo, raw.hi) == (min(first, last), max(first, last))
     legal_raws_are_those_inside(raw, *ends)

@@ -10,6 +10,7 @@ import pytest
 
 from fuzzyspec.cli import main as cli
 from fuzzyspec.diagnostics.refusal import MissingTool, Refusal
+from fuzzyspec.version import __version__
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -72,7 +73,7 @@ def test_bug_shows_its_traceback_on_request(
 def test_version() -> None:
     """--version prints one line and ends with 0."""
     done = fuzzyc("--version")
-    assert (done.returncode, done.stdout, done.stderr) == (0, f"fuzzyc {cli.__version__}\n".encode(), b"")
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"fuzzyc {__version__}\n".encode(), b"")
 
 
 def test_help_lists_every_command() -> None:

@@ -109,7 +109,8 @@ def _inside(part: Condition, whole: Condition) -> bool:
 
 
 def _place(row: list[Any], function: str) -> Condition:
-    return Condition(*row[:4], function)
+    line, column, end_line, end_column = row[:4]
+    return Condition(line, column, end_line, end_column, function)
 
 
 def _tool(folder: Path, *words: str) -> str:

@@ -14,7 +14,7 @@ from fuzzyspec.emit import Plan, emit
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.build import UINT32_MAX
 from fuzzyspec.fixed.certificate import Certificate
-from fuzzyspec.fixed.program import Define, Division, Function, Local, Port, Program, ReadPort, SetOutput
+from fuzzyspec.fixed.program import Const, Define, Division, Function, Local, Port, Program, ReadPort, SetOutput
 from fuzzyspec.fixed.run import run
 from fuzzyspec.model.system import Module
 from fuzzyspec.native import NativeModule
@@ -46,8 +46,8 @@ def dividing(division: Division) -> Program:
         held = Local("held", "uint32", lo, hi)
         body = (
             *(Define(local, ReadPort(local.name, "uint32", 0, UINT32_MAX), True) for local in (num, den)),
-            Define(low, build.greatest(den, build.Const(lo)), True),
-            Define(held, build.least(low, build.Const(hi)), True),
+            Define(low, build.greatest(den, Const(lo)), True),
+            Define(held, build.least(low, Const(hi)), True),
             SetOutput("ratio", build.quotient(num, held, division)),
         )
         ports = tuple(Port(name, "uint32", 0, UINT32_MAX, None) for name in ("num", "den"))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyspec.emit import Plan, plan, stale, write
+from fuzzyspec.emit import Plan, stale, write
 
 OLD = Plan({"b.c": b"old b", "a.h": b"old a"})
 NEW = Plan({"b.c": b"new b", "a.h": b"new a", "c.c": b"new c"})
@@ -60,7 +60,7 @@ def test_a_failure_leaves_the_old_files(
             raise OSError(28, "No space left on device")
         return real(*arguments)  # type: ignore[operator]
 
-    monkeypatch.setattr(plan.os, "replace" if what == "replace" else "fdopen", failing)
+    monkeypatch.setattr(os, "replace" if what == "replace" else "fdopen", failing)
     with pytest.raises(OSError, match="No space left"):
         write(NEW, tmp_path)
     monkeypatch.undo()

@@ -286,8 +286,8 @@ def test_a_raw_and_a_literal_are_decided_exactly(data: st.DataObject, op: str, s
     literal = data.draw(st.just(own) | rationals(-60, 60) | st.just(own + variable.raw.step * variable.unit.scale / 3))
     define, local = reading("x", variable.raw.ctype, variable.raw.lo, variable.raw.hi)
     arithmetic = Arithmetic(Scope({"x"}), [define])
-    sides = [read(variable, local), constant(literal)]
-    test, band = decide(arithmetic, op, *(sides[::-1] if swapped else sides), "test")
+    left, right = read(variable, local), constant(literal)
+    test, band = decide(arithmetic, op, *((right, left) if swapped else (left, right)), "test")
     assert band == 0
     raws = np.arange(variable.raw.lo, variable.raw.hi + 1)
     told = outcome(arithmetic.body, {"test": ones(test)}, {"x": raws})["test"]

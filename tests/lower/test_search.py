@@ -8,6 +8,7 @@ import pytest
 
 from fuzzyspec import load
 from fuzzyspec.lower.bounds import search
+from fuzzyspec.lower.bounds.strengths import Boxes
 
 REGRESSIONS = Path(__file__).resolve().parents[1] / "regressions"
 
@@ -17,7 +18,7 @@ def test_a_jump_does_not_keep_the_search_going(monkeypatch: pytest.MonkeyPatch) 
     rounds = 0
     split = search.Search._split
 
-    def counted(self: search.Search, *arguments: object) -> search.Boxes:
+    def counted(self: search.Search, *arguments: object) -> Boxes:
         nonlocal rounds
         rounds += 1
         return split(self, *arguments)  # type: ignore[arg-type]

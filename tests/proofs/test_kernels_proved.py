@@ -17,7 +17,7 @@ import z3
 from pycparser import c_ast
 
 from fuzzyspec.fixed import build
-from fuzzyspec.fixed.program import Define, Division, Function, Local, Port, Program, ReadPort, SetOutput
+from fuzzyspec.fixed.program import Const, Define, Division, Function, Local, Port, Program, ReadPort, SetOutput
 from tests.emit.test_dividers import dividing, files
 from tests.fixed.test_reciprocals import LOSS, LOSS_FROM_LINE
 from tests.proofs.symbolic import UINT32, Execution, Known, Unproved, kernels
@@ -209,7 +209,7 @@ def _multiplying() -> str:
     value, factor = (Local(name, "uint32", 0, most) for name, most in (("value", UINT32), ("factor", 2**16)))
     body = (
         Define(value, ReadPort("value", "uint32", 0, UINT32), True),
-        Define(factor, build.least(Local("given", "uint32", 0, UINT32), build.Const(2**16)), True),
+        Define(factor, build.least(Local("given", "uint32", 0, UINT32), Const(2**16)), True),
         SetOutput("high", build.mul_high(value, factor)),
     )
     given = Define(Local("given", "uint32", 0, UINT32), ReadPort("given", "uint32", 0, UINT32), True)

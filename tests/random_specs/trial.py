@@ -21,7 +21,8 @@ from fuzzyspec.machines.simavr import DoesNotFit
 from fuzzyspec.machines.toolchains import TARGETS, find_compiler
 from fuzzyspec.native import Death, NativeModule, NativeProcess
 from fuzzyspec.native.toolchain import Toolchain
-from fuzzyspec.verify.cases import Batch, Raws
+from fuzzyspec.verify.cases import Batch
+from fuzzyspec.verify.points import Raws
 from fuzzyspec.verify.runner import Runner, differing
 from fuzzyspec.verify.subject import Subject, subjects
 from tests.lower.test_strategies import same_integers

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -38,7 +39,7 @@ def keeper(tmp_path: Path) -> Path:
     return path
 
 
-def verified(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, object]]:
+def verified(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, Any]]:
     """The exit status and the report of a short verification."""
     status = main(["verify", *words, *FEW])
     return status, json.loads(capsys.readouterr().out)
@@ -211,10 +212,10 @@ def test_c_that_does_not_compile_for_a_machine_fails_there(keeper: Path, capsys:
     words = ["--target", "mips-be,wasm32", "--levels", "O2", "--compiler", "zig", "--c", str(mine), "--only", "hold"]
     status, report = verified(capsys, str(keeper), *words)
     assert status == 1
-    (failure,) = report["failures"]  # type: ignore[misc]
+    (failure,) = report["failures"]
     assert (failure["kind"], failure["on"]["target"]) == ("build", "mips-be")
     assert "not for me" in failure["output"]
-    assert [(r["target"], r["left_out"]) for r in report["machines"]] == [  # type: ignore[attr-defined]
+    assert [(r["target"], r["left_out"]) for r in report["machines"]] == [
         ("mips-be", "the compiler rejected the C"),
         ("wasm32", None),
     ]
@@ -233,6 +234,6 @@ def test_what_does_not_fit_a_device_is_left_out_and_said(tmp_path: Path, capsys:
     )
     status, report = verified(capsys, str(path), "--target", "avr", "--levels", "Os")
     assert status == 0
-    (record,) = report["machines"]  # type: ignore[misc]
+    (record,) = report["machines"]
     left_out = {f["function"]: f["left_out"] for f in record["functions"]}
     assert left_out == {"gain": None, "most": "a case of 1201 bytes does not fit its RAM"}
