@@ -68,8 +68,8 @@ RUNS ?= 1000000
 fuzz: .venv/for-fuzz ## a million inputs (RUNS, from SEED on) through parser and checker, guided by coverage: an hour
 	@$(BIN)/python -m tests.breaking.fuzz --runs $(RUNS) --seed $(or $(SEED),1) --jobs 2
 
-prove: .venv/for-test ## prove every C of the examples, benchmarks and ten random specs free of alarms (Frama-C): hours
-	@$(BIN)/python -m scripts.prove_all
+prove: .venv/for-test ## prove every C of the examples, benchmarks and ten random specs (or SPECS) free of alarms (Frama-C): hours
+	@$(BIN)/python -m scripts.prove_all $(SPECS)
 
 SAMPLE ?= 0
 mutants: .venv/for-test ## all mutants of generated C (SAMPLE of each file) against fuzzyc verify, with the score: hours

@@ -11,7 +11,7 @@ from typing import Any
 
 from pycparser import c_ast
 
-from fuzzyspec.prove.annotated import STEPS, assigned, number, type_of
+from fuzzyspec.prove.annotated import assigned, number, type_of
 
 MOST = 16
 """Rounds that are written out."""
@@ -55,16 +55,36 @@ def rounds(before: Any, loop: Any) -> int | None:
         case (
             c_ast.Decl(name=name, init=init),
             c_ast.While(
-                cond=c_ast.BinaryOp(op="<", left=left, right=right),
-                stmt=c_ast.Compound(block_items=[*rest, c_ast.UnaryOp(op=op, expr=c_ast.ID(name=stepped))]),
+                cond=c_ast.BinaryOp(op="<", left=left, right=right), stmt=c_ast.Compound(block_items=[*rest, step])
             ),
         ):
-            counted = left.expr if isinstance(left, c_ast.Cast) else left
-            here = isinstance(counted, c_ast.ID) and counted.name == name == stepped and op in STEPS[::2]
+            here = _is(left, name) and _steps(step, name) and init is not None and number(init) == 0
             plain = not any(name in assigned(c_ast.Compound([r])) or _leaves(r) for r in rest)
-            return number(right) if here and plain and init is not None and number(init) == 0 else None
+            return number(right) if here and plain else None
         case _:
             return None
+
+
+def _steps(node: Any, name: str) -> bool:
+    """Whether a statement adds 1 to a variable, whatever type it does so in."""
+    match node:
+        case c_ast.UnaryOp(op="p++" | "++"):
+            return _is(node.expr, name)
+        case c_ast.Assignment(op="=", lvalue=target, rvalue=value):
+            added = _bare(value)
+            plus = isinstance(added, c_ast.BinaryOp) and added.op == "+" and number(added.right) == 1
+            return plus and _is(target, name) and _is(added.left, name)
+        case _:
+            return False
+
+
+def _is(node: Any, name: str) -> bool:
+    found = _bare(node)
+    return isinstance(found, c_ast.ID) and found.name == name
+
+
+def _bare(node: Any) -> Any:
+    return _bare(node.expr) if isinstance(node, c_ast.Cast) else node
 
 
 def _leaves(node: Any) -> bool:

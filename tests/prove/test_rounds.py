@@ -62,11 +62,17 @@ def test_an_array_that_is_set_otherwise_has_no_ghost() -> None:
 
 def test_a_loop_is_written_out() -> None:
     """Each round has its number for the counter; a loop whose counter changes otherwise, or that jumps, stays."""
-    node = function(C)
-    written_out(node, lambda old, new: None)
-    text = printed(node)
-    assert "level[0U]" in text and "level[2U]" in text and "level[j]" not in text
-    assert "while (k < 3U)" in text
+    narrow = (
+        C.replace("uint32_t j", "uint8_t j")
+        .replace("(j < 3U)", "((int)j < 3)")
+        .replace("j ++", "j = (uint8_t)((int)j + 1)")
+    )
+    for text in (C, narrow):
+        node = function(text)
+        written_out(node, lambda old, new: None)
+        text = printed(node)
+        assert "level[0U]" in text and "level[2U]" in text and "level[j]" not in text
+        assert "while (k < 3U)" in text
     for old, new in (
         ("sum = sum + level[j];", "sum = sum + level[j]; j = j + 1U;"),
         ("j < 3U", "j < n"),
