@@ -71,6 +71,14 @@ class Axis:
         """How many ends of the range the raw type can pass."""
         return len(self._open())
 
+    @property
+    def lengths(self) -> list[int]:
+        """Of the range, where the raw type can pass its upper end: what a raw that is counted from the low one is
+        compared with there."""
+        raw = self.given.variable.raw
+        least, most = RAW_LIMITS[raw.ctype]
+        return [raw.hi - (raw.lo if raw.lo > least else 0)] if raw.hi < most else []
+
     def mean_saturation(self, *, halves: bool) -> float:
         """Tests for these ends: in the piece, or half of it, that lies there."""
         return sum(float(p.share) / (2 if halves and p.sloped else 1) for p in self._open())

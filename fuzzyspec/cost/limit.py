@@ -169,15 +169,17 @@ class _Call:
     def _price(self, found: Steps) -> float:
         return sum(times * price(step, self.core) for step, times in found.items())
 
-    def _tests(self, axis: Axis, byte: bool, times: float) -> Steps:
-        """Comparisons of a raw with its thresholds, of which some may be short."""
-        short = [fits(self.core, t, byte) for t in axis.thresholds]
-        share = sum(short) / len(short)
+    def _tests(self, thresholds: list[int], byte: bool, times: float) -> Steps:
+        """So many comparisons of a raw with these thresholds, of which some may be short."""
+        short = [fits(self.core, t, byte) for t in thresholds]
+        share = sum(short) / max(len(short), 1)
         return _step(short_threshold=times * share, threshold=times * (1 - share))
 
     def _by_tests(self, axis: Axis, byte: bool) -> Steps:
         """A tree of tests finds the piece, and for minors which half of it."""
-        found = self._tests(axis, byte, axis.mean_tests(halves=self.sorted) + axis.mean_saturation(halves=self.sorted))
+        found = self._tests(
+            axis.thresholds, byte, axis.mean_tests(halves=self.sorted) + axis.mean_saturation(halves=self.sorted)
+        )
         lines, complements = self._lines(axis)
         if axis.shifted and lines:
             found.update(_step(shift_line=lines, add=(lines / 2 if self.sorted else 0) + complements))
@@ -187,7 +189,9 @@ class _Call:
 
     def _by_scale(self, axis: Axis, byte: bool) -> Steps:
         """Pieces of one width: the upper bits of a line, or of the raw, count them; the lower ones are the degree."""
-        found = self._tests(axis, byte, axis.sides)
+        upper = axis.lengths
+        found = self._tests(upper, byte, len(upper))
+        found.update(_step(test=axis.sides - len(upper)))
         line = "shift_line" if axis.shifted else "line_byte" if byte else "line"
         found.update(_step(**{line: 1}, split=1))
         if self.sorted:

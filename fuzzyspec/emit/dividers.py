@@ -11,9 +11,9 @@ QUOTIENT_BITS = 16
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A divisor below ``limit`` is shifted up by ``shift``, and the numerator with it."""
+    """A divisor of at most so many ``bits`` is shifted up by ``shift``, and the numerator with it."""
 
-    limit: int
+    bits: int
     shift: int
 
 
@@ -79,7 +79,7 @@ def _reciprocal(kernel: Kernel) -> Reciprocal:
     return Reciprocal(
         tabled=tabled,
         line=LINE,
-        steps=tuple(Step(2 ** (kernel.width - shift), shift) for shift in kernel.steps),
+        steps=tuple(Step(kernel.width - shift, shift) for shift in kernel.steps),
         cell=kernel.width - CELL_BITS,
         first_cell=FIRST_CELL,
         top=kernel.width - TOP_BITS,

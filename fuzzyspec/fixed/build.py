@@ -111,6 +111,9 @@ def sub_guarded(left: Expr, right: Expr, hi: int) -> Expr:
 
 def add_bounded(left: Expr, right: Expr, hi: int, lo: int = 0) -> Expr:
     """``left + right`` where the caller's proof (a loop invariant) holds the result in ``[lo, hi]``."""
+    for one, other in ((left, right), (right, left)):
+        if isinstance(one, Const) and one.value == 0:
+            return floored(capped(other, hi), lo)
     return _binary("+", left, right, lo, hi)
 
 

@@ -55,10 +55,10 @@ class Weighing:
 GOALS: Mapping[Goal, Weighing] = {
     "speed": Weighing(1, 1 / 8, ("O2",)),
     "balanced": Weighing(1, 1, ("O2", "Os")),
-    "size": Weighing(0, 1, ("Os",), patience=2),
+    "size": Weighing(0, 1, ("Os",), patience=1.5),
 }
-"""Twice the flash must buy 8 % of the time where speed is asked for; where size is, only flash counts up to twice the
-time of the fastest, beyond that either is worth the other, as it is in between."""
+"""Twice the flash must buy 8 % of the time where speed is asked for; where size is, only flash counts up to 1.5 times
+what the fastest takes, beyond that either is worth the other, as it is in between."""
 
 
 @dataclass(frozen=True)

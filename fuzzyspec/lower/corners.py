@@ -33,6 +33,9 @@ from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.scope import Scope
 
 HALF_WORD = 16
+REACH = 31
+"""A load of Thumb reaches so many words beyond its register; for one that lies farther off the distance is loaded
+first, each time."""
 Lowered = tuple[list[Stmt], list[tuple[list[Stmt], Expr]], list[Table]]
 """What all outputs share, each output's own statements and interpolated place, and the tables."""
 
@@ -90,7 +93,7 @@ def packed(corners: Corners, scope: Scope) -> Lowered:
         places = [corners.format.outputs[o].integers for o in pair]
         words = [sum(p << (HALF_WORD * k) for k, p in enumerate(cell)) for cell in zip(*places, strict=True)]
         name = "_".join(corners.names[o] for o in pair)
-        steps, found, table = _written(corners, name, pair, words, scope)
+        steps, found, table = _written(corners, name, pair, words, scope, REACH)
         shared += steps
         values += [([], value) for value in found]
         tables.append(table)
@@ -109,18 +112,22 @@ def written(corners: Corners, scope: Scope) -> Lowered:
 
 
 def _written(
-    corners: Corners, name: str, outputs: list[int], words: Sequence[int], scope: Scope
+    corners: Corners, name: str, outputs: list[int], words: Sequence[int], scope: Scope, reach: int | None = None
 ) -> tuple[list[Stmt], list[Expr], Table]:
-    """Depth first, so that few values wait at a time."""
+    """Depth first, so that few values wait at a time; corners beyond ``reach`` are read from a window of their own."""
     fmt = corners.format
     table = Table(scope.name(f"{name}_places"), build.smallest_type(0, max(words)), corners.padded(words))
     steps: list[Stmt] = [Comment(f"{' and '.join(corners.names[o] for o in outputs)}: places of the active cells")]
-    source = _window(corners.cell, name, table, steps, scope)
+    windows = [(0, _window(corners.cell, name, table, steps, scope))]
     highest = sum(corners.most(o) << (HALF_WORD * k) for k, o in enumerate(outputs))
 
     def at(level: int, offset: int) -> list[Expr]:
         if level == len(corners.sides):
-            return fields(_sum(corners, source, offset, highest))
+            far = reach is not None and offset + corners.inner[-1] - windows[-1][0] > reach
+            if far and isinstance(corners.cell, Local):
+                windows.append((offset, _window(build.add(corners.cell, Const(offset)), name, table, steps, scope)))
+            begin, source = windows[-1]
+            return fields(_sum(corners, source, offset - begin, highest))
         stride = prod(corners.shape[level + 1 :])
         low, high = at(level + 1, offset), at(level + 1, offset + stride)
         shift = fmt.shifts[len(corners.sides) - 1 - level]
@@ -191,7 +198,7 @@ def _each(most: Sequence[int], count: int) -> tuple[int, ...]:
     return tuple(m for m in most for _ in range(count // len(most)))
 
 
-def _window(start: Local | Const, name: str, table: Table, steps: list[Stmt], scope: Scope) -> Table | Window:
+def _window(start: Expr, name: str, table: Table, steps: list[Stmt], scope: Scope) -> Table | Window:
     """Where the cell varies its corners are read through a window, at constant indices."""
     if isinstance(start, Const):
         return table

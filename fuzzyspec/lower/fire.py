@@ -167,7 +167,7 @@ def act(owners: Table, row: Expr, strength: Local, firing: Firing, scope: Scope)
     """A cell may own the strongest strength; on equal ones the lower code (the higher priority) acts."""
     acting, best = firing.acting, firing.acting_strength
     assert acting is not None and best is not None
-    owner = Local(scope.name("owner"), "uint8", min(owners.values), max(owners.values))
+    owner, lead = _owner(owners, row, scope)
     stronger: Test = AnyOf(
         (
             build.compare(">", strength, best),
@@ -176,10 +176,29 @@ def act(owners: Table, row: Expr, strength: Local, firing: Firing, scope: Scope)
     )
     if owner.lo == 0:
         stronger = AllOf((build.compare(">", owner, Const(0)), stronger))
-    return [
-        Define(owner, Element(owners.name, "uint8", row, owner.lo, owner.hi, True), True),
-        Branch(stronger, (Assign(acting, owner), Assign(best, strength))),
-    ]
+    return [*lead, Branch(stronger, (Assign(acting, owner), Assign(best, strength)))]
+
+
+def act_first(owners: Table, row: Expr, strength: Local, firing: Firing, scope: Scope) -> list[Stmt]:
+    """The same for the first cell that is asked, of a strength above 0."""
+    acting, best = firing.acting, firing.acting_strength
+    assert acting is not None and best is not None
+    owner, lead = _owner(owners, row, scope)
+    steps: tuple[Stmt, ...] = (Assign(acting, owner), Assign(best, strength))
+    return [*lead, Branch(build.compare(">", owner, Const(0)), steps)] if owner.lo == 0 else [*lead, *steps]
+
+
+def act_equal(owners: Table, row: Expr, firing: Firing, scope: Scope) -> list[Stmt]:
+    """The same for a cell that is as strong as the strongest, where every cell has an owner."""
+    acting = firing.acting
+    assert acting is not None
+    owner, lead = _owner(owners, row, scope)
+    return [*lead, Branch(build.compare("<", owner, acting), (Assign(acting, owner),))]
+
+
+def _owner(owners: Table, row: Expr, scope: Scope) -> tuple[Local, list[Stmt]]:
+    owner = Local(scope.name("owner"), "uint8", min(owners.values), max(owners.values))
+    return owner, [Define(owner, Element(owners.name, "uint8", row, owner.lo, owner.hi, True), True)]
 
 
 def fire_loops(controller: Controller, cells: CellRules, degrees: list[Degrees], firing: Firing, scope: Scope) -> None:
@@ -256,7 +275,9 @@ class _Walk:
             bound = build.local(self.scope.name(f"{name}_cell"), place)
             body.append(Define(bound, place, True))
             place = bound
-        body.append(Branch(build.compare(">", mine, Const(0)), tuple(self.loop(i + 1, place, mine))))
+        inner = self.loop(i + 1, place, mine)
+        # A strength of 0 changes nothing; where more than a cell hangs on it, it is not followed.
+        body += [Branch(build.compare(">", mine, Const(0)), tuple(inner))] if i < len(self.degrees) - 1 else inner
         return [Loop(counter, d.slots, tuple(body))]
 
     def cell(self, row: Expr, strength: Local) -> list[Stmt]:

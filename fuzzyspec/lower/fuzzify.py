@@ -212,8 +212,11 @@ def _strong(
             for term in (k, k + 1):
                 errors[term] = max(errors[term], line.error / one)
             steps: list[Stmt] = [Assign(first, Const(k))] if k else []
-            steps += _piece(line, given, start, end, straight, degree, scope, item.name, one)
-            runs.append((start, end, steps))
+            runs.append(
+                (start, straight, [*steps, *_piece(line, given, start, straight, degree, scope, item.name, one)])
+            )
+            if straight < end:
+                beyond = [(straight + 1, end, [*steps, Assign(degree, Const(one))])]
         runs += beyond
     if runs[0][0]:
         runs.insert(0, (0, runs[0][0] - 1, []))
@@ -245,7 +248,7 @@ def in_array(item: Input, body: list[Stmt], found: Degrees, scope: Scope) -> tup
 
 
 def _piece(
-    line: Line, given: Reading, start: int, end: int, straight: int, degree: Local, scope: Scope, name: str, one: int
+    line: Line, given: Reading, start: int, end: int, degree: Local, scope: Scope, name: str, one: int
 ) -> list[Stmt]:
     steps: list[Stmt] = []
     u = given.beyond(start, end - start)
@@ -253,10 +256,6 @@ def _piece(
         bound = Local(scope.name(f"{name}_u"), "uint16", 0, end - start)
         steps.append(Define(bound, u, True))
         u = bound
-    if straight < end:
-        short = Local(scope.name(f"{name}_u"), "uint16", 0, straight - start)
-        steps.append(Define(short, build.least(u, Const(straight - start)), True))
-        u = short
     value = line.expr(u)
     if line.top > one:
         wide = build.local(scope.name(f"{name}_y"), value)

@@ -35,7 +35,7 @@ from fuzzyspec.lower.even import (
     even_output,
     square,
 )
-from fuzzyspec.lower.fire import Firing, act, owner_table
+from fuzzyspec.lower.fire import Firing, act_equal, act_first, owner_table
 from fuzzyspec.lower.fuzzify import Degrees
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.minors import Group, Minors
@@ -130,8 +130,8 @@ def fire_levels(
     body += _covered(sums, reached[-1][1], levels[-1], (Const(0), Const(0)), scope)
     if owners is not None:
         majors, (first,) = groups[0]
-        body += act(owners, first, majors, firing, scope)
-        minors.ties(groups, lambda p, s: act(owners, p, s, firing, scope), body)
+        body += act_first(owners, first, majors, firing, scope)
+        minors.ties(groups, lambda place: act_equal(owners, place, firing, scope), body)
     return [_mean(t, division, scope) for t in sums]
 
 

@@ -26,7 +26,7 @@ from fuzzyspec.fixed.program import (
     Local,
     Stmt,
 )
-from fuzzyspec.lower.fire import Firing, act, consequent_tables, owner_table, raise_level
+from fuzzyspec.lower.fire import Firing, act, act_equal, act_first, consequent_tables, owner_table, raise_level
 from fuzzyspec.lower.fuzzify import Degrees
 from fuzzyspec.lower.lines import DEGREE_ONE
 from fuzzyspec.lower.scope import Scope
@@ -59,7 +59,7 @@ class Minor:
 
 Group = tuple[Local, list[Expr]]
 """A strength and the indices of the cells that have it."""
-Act = Callable[[Expr, Local], list[Stmt]]
+Act = Callable[[Expr], list[Stmt]]
 
 
 @dataclass
@@ -125,11 +125,11 @@ class Minors:
     def ties(self, groups: list[Group], act: Act, body: list[Stmt]) -> None:
         """Where a minor is 1/2 its cells are as strong as that of the majors: the higher priority acts."""
         majors = groups[0][0]
-        equal: list[Stmt] = []
-        for strength, places in groups[1:]:
-            inner = [s for p in places for s in act(p, strength)]
-            equal.append(Branch(build.compare("==", strength, majors), tuple(inner)))
-        body.append(Branch(build.compare("==", groups[1][0], majors), tuple(equal)))
+        tied: tuple[Stmt, ...] = ()
+        for strength, places in reversed(groups[1:]):
+            inner = [s for place in places for s in act(place)]
+            tied = (Branch(build.compare("==", strength, majors), (*inner, *tied)),)
+        body += tied
 
 
 def fire_minors(controller: Controller, cells: CellRules, degrees: list[Degrees], firing: Firing, scope: Scope) -> None:
@@ -141,7 +141,7 @@ def fire_minors(controller: Controller, cells: CellRules, degrees: list[Degrees]
     groups: list[Group] = []
     unowned = owners is not None and 0 in owners.values
 
-    def fired(row: Expr, strength: Local, acts: bool) -> list[Stmt]:
+    def fired(row: Expr, strength: Local, level: int) -> list[Stmt]:
         steps: list[Stmt] = []
         for o, table in consequents:
             output = controller.outputs[o]
@@ -150,17 +150,19 @@ def fire_minors(controller: Controller, cells: CellRules, degrees: list[Degrees]
             steps.append(Define(term, Element(table.name, "uint8", row, term.lo, hi, True), True))
             holes = len(output.terms) if hi == len(output.terms) else None
             steps += raise_level(controller, firing, o, term, strength, holes)
-        return steps + (act(owners, row, strength, firing, scope) if owners is not None and acts else [])
+        if owners is not None and (level == 0 or unowned):
+            steps += (act if level else act_first)(owners, row, strength, firing, scope)
+        return steps
 
     for level, (strength, places) in enumerate(minors.groups(math.prod(cells.shape) - 1, body, scope)):
         groups.append((strength, places))
-        steps = [s for p in places for s in fired(p, strength, level == 0 or unowned)]
+        steps = [s for p in places for s in fired(p, strength, level)]
         if level:
             body.append(Branch(build.compare(">", strength, Const(0)), tuple(steps)))
         else:
             body += steps
     if owners is not None and not unowned:
-        minors.ties(groups, lambda p, s: act(owners, p, s, firing, scope), body)
+        minors.ties(groups, lambda place: act_equal(owners, place, firing, scope), body)
 
 
 def _minor(name: str, d: Degrees, stride: int, widest: int, base: Local, body: list[Stmt], scope: Scope) -> Minor:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fuzzyspec.fixed.build import UINT32_MAX
-from fuzzyspec.fixed.program import Binary, Const, Expr, Local
+from fuzzyspec.fixed.program import Binary, Compare, Const, Expr, Local
 
 SHORT = 65535
 """The largest factor of a short multiplication."""
@@ -59,6 +59,26 @@ def plainest(expr: Expr) -> Expr:
             return expr
         case _:
             return expr
+
+
+IMMEDIATE = 255
+"""The largest constant that every machine of 32 bits compares with as it is; Thumb loads others, or makes them."""
+
+
+def without_constant_of_two(test: Compare) -> Compare:
+    """A comparison of an unsigned local with a larger power of two asks for the bits from there on: one shift tells."""
+    match test:
+        case Compare("<" | ">=" as op, Local(_, "uint32") as value, Const(bound)):
+            pass
+        case Compare("<=" | ">" as op, Local(_, "uint32") as value, Const(last)):
+            op, bound = ("<" if op == "<=" else ">="), last + 1
+        case _:
+            return test
+    if bound <= IMMEDIATE or bound & (bound - 1) or value.lo < 0:
+        return test
+    count = bound.bit_length() - 1
+    above = Binary(">>", value, Const(count), value.lo >> count, value.hi >> count)
+    return Compare("==" if op == "<" else "!=", above, Const(0))
 
 
 def _without_constant(x: Binary) -> tuple[Expr, int]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Literal
 
@@ -106,10 +106,8 @@ def slide(item: Input, one: int, moves: Callable[[int], list[Stmt]], bit: str, s
     assert item.peaks is not None
     raw, pieces = item.variable.raw, len(item.peaks) - 1
     step = (raw.hi - raw.lo) // pieces
-    body, counts = _from_bottom(item, bit, scope)
-    at = build.local(scope.name(f"{item.name}_at"), counts)
+    body, at = _from_bottom(item, pieces > 1, bit, scope)
     over = at.hi > raw.hi - raw.lo
-    body.append(Define(at, counts, pieces == 1 and not over))
     # Above the last piece, once it has slid down, there is only what lies above the range.
     capped: list[Stmt] = []
     if over:
@@ -127,30 +125,31 @@ def slide(item: Input, one: int, moves: Callable[[int], list[Stmt]], bit: str, s
     return Fuzzified([*body, Define(degree, value, True)], [], degree, line.error / one)
 
 
-def _from_bottom(item: Input, bit: str, scope: Scope) -> tuple[list[Stmt], Expr]:
-    """Counts from the end of the legal raws with the lowest value; they may still go beyond the other end."""
+def _from_bottom(item: Input, moves: bool, bit: str, scope: Scope) -> tuple[list[Stmt], Local]:
+    """Counts from the end of the legal raws with the lowest value, of which none lies below it; they may still go
+    beyond the other end. ``moves``: they are to be set again, as they are where they go beyond it."""
     variable = item.variable
     raw = variable.raw
-    low, high = build.LIMITS[raw.ctype]
-    given: ReadPort | Local = ReadPort(variable.name, raw.ctype, low, high)
-    body: list[Stmt] = []
-    rising = raw.step > 0
-    if low < raw.lo if rising else high > raw.hi:
-        value = build.local(scope.name(variable.name), given)
-        end = Const(raw.lo if rising else raw.hi)
-        outside = build.compare("<" if rising else ">", value, end)
-        body += [Define(value, given, False), Branch(outside, (Assign(value, end), SetStatus(bit)))]
-        given = Local(value.name, value.ctype, raw.lo if rising else low, high if rising else raw.hi)
-    return body, build.sub(given, Const(raw.lo)) if rising else build.sub(Const(raw.hi), given)
+    given = ReadPort(variable.name, raw.ctype, *build.LIMITS[raw.ctype])
+    counts = build.sub(given, Const(raw.lo)) if raw.step > 0 else build.sub(Const(raw.hi), given)
+    fixed = not moves and counts.hi <= raw.hi - raw.lo
+    if counts.lo >= 0:
+        at = build.local(scope.name(f"{item.name}_at"), counts)
+        return [Define(at, counts, fixed)], at
+    # Counted first: an addition tells of a sign by itself, where the raw would be compared with another constant.
+    counted = build.local(scope.name(f"{item.name}_counts"), counts)
+    below = Branch(build.compare("<", counted, Const(0)), (Assign(counted, Const(0)), SetStatus(bit)))
+    risen = replace(counted, lo=0)
+    at = build.local(scope.name(f"{item.name}_at"), risen)
+    return [Define(counted, counts, False), below, Define(at, risen, fixed)], at
 
 
 def _scale(item: Input, one: int, cell: Cell, stride: int, bit: str, scope: Scope) -> Fuzzified:
     """Lemma "scale" of docs/numbers.md."""
     assert item.peaks is not None
     raw, pieces = item.variable.raw, len(item.peaks) - 1
-    body, counts = _from_bottom(item, bit, scope)
-    at, top = build.local(scope.name(f"{item.name}_at"), counts), raw.hi - raw.lo
-    body.append(Define(at, counts, at.hi <= top))
+    body, at = _from_bottom(item, False, bit, scope)
+    top = raw.hi - raw.lo
     if at.hi > top:
         body.append(Branch(build.compare(">", at, Const(top)), (Assign(at, Const(top)), SetStatus(bit))))
         at = Local(at.name, at.ctype, 0, top)

@@ -13,6 +13,7 @@ from fuzzyspec.fixed import build
 from fuzzyspec.fixed.program import (
     AssignElement,
     Branch,
+    Compare,
     CType,
     DefineArray,
     Each,
@@ -26,7 +27,7 @@ from fuzzyspec.fixed.program import (
 from fuzzyspec.fixed.prune import statements
 from fuzzyspec.fixed.rewrite import declared, rewritten_body
 from fuzzyspec.lower.factors import with_short_factors
-from fuzzyspec.lower.shapes import cheapest, plainest
+from fuzzyspec.lower.shapes import cheapest, plainest, without_constant_of_two
 from fuzzyspec.lower.strategy import Widths
 
 PAIR = 2
@@ -51,11 +52,12 @@ def fit_widths(function: Function, widths: Widths) -> Function:
     arrays = [s for s in statements(body) if isinstance(s, DefineArray)]
     small = (a.name for a in arrays if a.size <= PAIR and not a.ctype.startswith("int"))
     pairs = frozenset(small) if widths == "words" else frozenset[str]()
-    return replace(function, body=_with_words(rewritten_body(body, change, retype), pairs))
+    fitted = rewritten_body(body, change, retype)
+    return replace(function, body=fitted if widths == "narrow" else _with_words(fitted, pairs))
 
 
 def _with_words(body: tuple[Stmt, ...], pairs: frozenset[str]) -> tuple[Stmt, ...]:
-    """The statements with these arrays as words."""
+    """The statements with these arrays as words, and with branches as they ask least of a word."""
     out: list[Stmt] = []
     for s in body:
         match s:
@@ -64,7 +66,8 @@ def _with_words(body: tuple[Stmt, ...], pairs: frozenset[str]) -> tuple[Stmt, ..
             case Loop() | Each():
                 out.append(replace(s, body=_with_words(s.body, pairs)))
             case Branch():
-                out.append(replace(s, then=_with_words(s.then, pairs), other=_with_words(s.other, pairs)))
+                test = without_constant_of_two(s.test) if isinstance(s.test, Compare) else s.test
+                out.append(Branch(test, _with_words(s.then, pairs), _with_words(s.other, pairs)))
             case _:
                 out.append(s)
     return tuple(out)

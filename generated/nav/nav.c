@@ -65,7 +65,7 @@ nav_status_t nav_danger(const nav_danger_input_t *in, nav_danger_output_t *out)
     /* eta_d: degrees of DS, DM, DB */
     uint32_t eta_d_term = 0U;
     uint32_t eta_d_at = in->eta_d;
-    if (eta_d_at >= 16384U) {
+    if ((eta_d_at >> 14U) != 0U) {
         eta_d_at = eta_d_at - 16384U;
         eta_d_term = 1U;
         if (eta_d_at > 16384U) {
@@ -194,7 +194,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     /* left: degrees of S, M, B */
     uint32_t left_term = 0U;
     uint32_t left_at = in->left;
-    if (left_at >= 16384U) {
+    if ((left_at >> 14U) != 0U) {
         left_at = left_at - 16384U;
         left_term = 1U;
         if (left_at > 16384U) {
@@ -211,7 +211,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     /* front: degrees of S, M, B */
     uint32_t front_term = 0U;
     uint32_t front_at = in->front;
-    if (front_at >= 16384U) {
+    if ((front_at >> 14U) != 0U) {
         front_at = front_at - 16384U;
         front_term = 1U;
         if (front_at > 16384U) {
@@ -228,7 +228,7 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
     /* right: degrees of S, M, B */
     uint32_t right_term = 0U;
     uint32_t right_at = in->right;
-    if (right_at >= 16384U) {
+    if ((right_at >> 14U) != 0U) {
         right_at = right_at - 16384U;
         right_term = 1U;
         if (right_at > 16384U) {
@@ -244,13 +244,13 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
 
     /* target: degrees of L, C, R */
     uint32_t target_term = 0U;
-    int32_t target = in->target;
-    if (target < -23040) {
-        target = -23040;
+    int32_t target_counts = (int32_t)in->target + 23040;
+    if (target_counts < 0) {
+        target_counts = 0;
         status = (nav_status_t)(status | NAV_VELOCITY_SATURATED_TARGET);
     }
 
-    uint32_t target_at = (uint32_t)(target + 23040);
+    uint32_t target_at = (uint32_t)target_counts;
     if (target_at >= 23040U) {
         target_at = target_at - 23040U;
         target_term = 1U;
@@ -298,24 +298,22 @@ nav_status_t nav_velocity(const nav_velocity_input_t *in, nav_velocity_output_t 
                                 const uint32_t target_s = (right_s < target_d_2) ? right_s
                                     : target_d_2;
                                 const uint32_t target_cell = right_cell + l;
-                                if (target_s > 0U) {
-                                    const uint32_t v_term =
-                                        NAV_READ_U8(nav_velocity_v_rules, target_cell);
-                                    if (target_s > v_level[v_term]) {
-                                        v_level[v_term] = (uint16_t)target_s;
-                                    }
-                                    const uint32_t w_term =
-                                        NAV_READ_U8(nav_velocity_w_rules, target_cell);
-                                    if (target_s > w_level[w_term]) {
-                                        w_level[w_term] = (uint16_t)target_s;
-                                    }
-                                    const uint32_t owner =
-                                        NAV_READ_U8(nav_velocity_owners, target_cell);
-                                    if ((target_s > strongest)
-                                        || ((target_s == strongest) && (owner < acting))) {
-                                        acting = owner;
-                                        strongest = target_s;
-                                    }
+                                const uint32_t v_term =
+                                    NAV_READ_U8(nav_velocity_v_rules, target_cell);
+                                if (target_s > v_level[v_term]) {
+                                    v_level[v_term] = (uint16_t)target_s;
+                                }
+                                const uint32_t w_term =
+                                    NAV_READ_U8(nav_velocity_w_rules, target_cell);
+                                if (target_s > w_level[w_term]) {
+                                    w_level[w_term] = (uint16_t)target_s;
+                                }
+                                const uint32_t owner = NAV_READ_U8(nav_velocity_owners,
+                                    target_cell);
+                                if ((target_s > strongest)
+                                    || ((target_s == strongest) && (owner < acting))) {
+                                    acting = owner;
+                                    strongest = target_s;
                                 }
                             }
                         }

@@ -66,7 +66,7 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
 
     /* rate: degrees of falling, steady, rising */
     uint32_t rate = in->rate;
-    if (rate > 4095U) {
+    if ((rate >> 12U) != 0U) {
         rate = 4095U;
         status = (temperature_status_t)(status | TEMPERATURE_FAN_SATURATED_RATE);
     }
@@ -75,15 +75,15 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
     for (uint32_t k_2 = 0U; k_2 < 3U; ++k_2) {
         rate_mu[k_2] = 0U;
     }
-    if (rate <= 1023U) {
+    if ((rate >> 10U) == 0U) {
         rate_mu[0U] = 32768U;
-    } else if (rate <= 2047U) {
+    } else if ((rate >> 11U) == 0U) {
         rate_mu[0U] = (uint16_t)((2146991936U - ((rate - 1024U) * 2097664U)) >> 16U);
     } else {
         /* Nothing to do. */
     }
-    if (rate > 1023U) {
-        if (rate <= 2047U) {
+    if ((rate >> 10U) != 0U) {
+        if ((rate >> 11U) == 0U) {
             rate_mu[1U] = (uint16_t)((((rate - 1024U) * 2097664U) + 557248U) >> 16U);
         } else if (rate <= 3071U) {
             rate_mu[1U] = (uint16_t)((2146467520U - ((rate - 2048U) * 2097664U)) >> 16U);
@@ -91,7 +91,7 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
             /* Nothing to do. */
         }
     }
-    if (rate > 2047U) {
+    if ((rate >> 11U) != 0U) {
         if (rate <= 3071U) {
             rate_mu[2U] = (uint16_t)((((rate - 2048U) * 2097664U) + 1081664U) >> 16U);
         } else {
@@ -157,7 +157,7 @@ temperature_status_t temperature_fan(temperature_fan_state_t *state,
     }
 
     /* duty fires where its strongest rule reaches 4096/32768 */
-    if (duty_strongest >= 4096U) {
+    if ((duty_strongest >> 12U) != 0U) {
         /* centroid of duty: area and moment of the union of the clipped terms */
         uint32_t duty_area = 0U;
         uint32_t duty_moment = 0U;
@@ -273,7 +273,7 @@ temperature_status_t temperature_step(temperature_state_t *state,
     }
 
     uint32_t rate = in->rate;
-    if (rate > 4095U) {
+    if ((rate >> 12U) != 0U) {
         rate = 4095U;
         status = (temperature_status_t)(status | TEMPERATURE_SATURATED_RATE);
     }

@@ -64,7 +64,7 @@ tipper_status_t tipper_tip(const tipper_tip_input_t *in, tipper_tip_output_t *ou
     for (uint32_t k_2 = 0U; k_2 < 2U; ++k_2) {
         food_mu[k_2] = 0U;
     }
-    if (food <= 4095U) {
+    if ((food >> 12U) == 0U) {
         food_mu[0U] = 32768U;
     } else if (food <= 12287U) {
         food_mu[0U] = 32768U - ((food - 4096U) * 4U);

@@ -236,3 +236,11 @@ def test_a_guarded_difference_keeps_the_guards_interval(left: Operand, right: Op
         if 0 <= a - b <= hi:
             single = computed(node, Operand(left.expr, (a,)), Operand(right.expr, (b,)))
             assert single == [a - b]
+
+
+@given(left=operands("a", 0), hi=st.integers(0, UINT32_MAX))
+def test_nothing_is_added_where_one_side_is_0(left: Operand, hi: int) -> None:
+    """A sum that begins with 0 is what is added to it, in the interval that its caller proved."""
+    for node in (build.add_bounded(Const(0), left.expr, hi), build.add_bounded(left.expr, Const(0), hi)):
+        assert type(node) is type(left.expr)
+        assert isinstance(node, Const) or (node.lo, node.hi) == (left.expr.lo, min(left.expr.hi, hi))

@@ -15,11 +15,13 @@ from hypothesis import strategies as st
 from fuzzyspec import load
 from fuzzyspec.exact import dequantise, evaluate_controller
 from fuzzyspec.fixed.build import LIMITS
-from fuzzyspec.fixed.program import Program, Table
+from fuzzyspec.fixed.program import Element, Program, Table, Window
+from fuzzyspec.fixed.prune import expressions, nodes
 from fuzzyspec.fixed.run import Run, run
 from fuzzyspec.lower.bounds import Effort, bound_controller
 from fuzzyspec.lower.choice import strategies
 from fuzzyspec.lower.controller import lower_controller
+from fuzzyspec.lower.corners import REACH
 from fuzzyspec.lower.formats import TOLERATED, format_of
 from fuzzyspec.lower.multilinear import applies, ways
 from fuzzyspec.lower.strategy import Strategy
@@ -175,6 +177,18 @@ def test_small_places_share_words() -> None:
     assert (words.ctype, v.ctype, w.ctype) == ("uint32", "uint8", "uint8")
     assert [(x & 0xFFFF, x >> 16) for x in words.values] == list(zip(v.values, w.values, strict=True))
     assert tables["loops"][0].values == v.values + w.values
+
+
+def test_words_are_read_within_reach() -> None:
+    """Of W3s's 16 corners the farthest lie 40 words apart: a window opens where a load of Thumb would not reach."""
+    (controller,) = load(ROOT / "benchmarks" / "w3s.fz").module.controllers
+    packed, *_ = (s for s in strategies(controller) if s.interpolation == "packed")
+    function, _ = lower_controller(controller, packed)
+    windows = {s.name for s in function.body if isinstance(s, Window)}
+    read = [n for e in expressions(function.body) for n in nodes(e) if isinstance(n, Element) and n.array in windows]
+    assert len(windows) == 2
+    assert len(read) == 16
+    assert max(n.index.hi for n in read) == REACH
 
 
 def a_raw(counts: int) -> Raw:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Callable
+
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyspec.fixed import build
 from fuzzyspec.fixed.build import UINT32_MAX
-from fuzzyspec.fixed.program import Binary, Const, Define, Expr, Local, SetOutput
+from fuzzyspec.fixed.program import Binary, Compare, CompareOp, Const, Define, Expr, Local, SetOutput
 from fuzzyspec.lower.factors import with_short_factors
-from fuzzyspec.lower.shapes import cheapest, cycles, operators, plainest
+from fuzzyspec.lower.shapes import IMMEDIATE, cheapest, cycles, operators, plainest, without_constant_of_two
 
 
 def value(expr: Expr, names: dict[str, int]) -> int:
@@ -70,6 +73,33 @@ def test_the_plainest_shape_is_equal(drawn: tuple[Expr, dict[str, int]]) -> None
     expr, names = drawn
     assert value(plainest(expr), names) == value(expr, names)
     assert operators(plainest(expr)) <= operators(expr)
+
+
+ORDERS: dict[CompareOp, Callable[[int, int], bool]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
+
+
+@given(st.integers(0, 31), st.integers(-2, 2), st.sampled_from(sorted(ORDERS)), st.integers(0, UINT32_MAX), st.data())
+def test_a_power_of_two_is_asked_for_by_a_shift(
+    bits: int, off: int, op: CompareOp, hi: int, data: st.DataObject
+) -> None:
+    """The outcome is the same on both sides of the bound; where that was a larger power of two, 0 is compared with."""
+    bound = max(0, 2**bits + off)
+    test = Compare(op, Local("a", "uint32", 0, hi), Const(bound))
+    found = without_constant_of_two(test)
+    assert isinstance(found.right, Const)
+    for a in {0, hi, data.draw(st.integers(0, hi)), *(min(max(0, bound + d), hi) for d in (-1, 0, 1))}:
+        asked, against = value(found.left, {"a": a}), found.right.value
+        told = ORDERS[found.op](asked, against) if found.op in ORDERS else (asked == against) == (found.op == "==")
+        assert told == ORDERS[op](a, bound)
+    first = bound + (op in ("<=", ">"))
+    assert (found != test) == (first > IMMEDIATE and first & (first - 1) == 0)
+    signed = Compare(op, Local("a", "int32", 0, min(hi, 2**31 - 1)), Const(bound))
+    assert without_constant_of_two(signed) == signed
 
 
 def test_long_shifts_and_multipliers_go() -> None:

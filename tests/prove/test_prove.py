@@ -164,9 +164,10 @@ def test_the_command_proves_and_refuses(tmp_path: Path, capsys: pytest.CaptureFi
     assert main(["prove", str(W1), "--int-bits", "32"]) == 0
     assert capsys.readouterr().out.endswith("w1: proved\n")
     bad = tmp_path / "bad.c"
-    source = load(W1).compile(Options(target="rv32imc")).files["w1.c"].decode()
+    source = load(W1).compile(Options(optimize="size", target="rv32imc")).files["w1.c"].decode()
     bad.write_text(source.replace("if (num < den)", "if (num <= den)"))
-    assert main(["prove", str(W1), "--target", "rv32imc", "--int-bits", "32", "--c", str(bad), "--format", "json"]) == 1
+    chosen = ["--target", "rv32imc", "--optimize", "size", "--int-bits", "32"]
+    assert main(["prove", str(W1), *chosen, "--c", str(bad), "--format", "json"]) == 1
     (proof,) = json.loads(capsys.readouterr().out)["proofs"]
     assert not proof["ok"]
     assert "division_by_zero" in {a["kind"] for a in proof["alarms"]}
