@@ -154,7 +154,12 @@ def _settle(body: tuple[Stmt, ...]) -> tuple[Stmt, ...]:
             case Loop() | Each():
                 out.append(replace(statement, body=_settle(statement.body)))
             case Define() | Assign() | SetOutput() | SetState():
-                out.append(replace(statement, value=settle(statement.value)))
+                value = settle(statement.value)
+                # A sum that nothing is added to is no statement: compilers warn of it.
+                if not (
+                    isinstance(statement, Assign) and isinstance(value, Local) and value.name == statement.local.name
+                ):
+                    out.append(replace(statement, value=value))
             case Window():
                 out.append(replace(statement, start=settle(statement.start)))
             case AssignElement():

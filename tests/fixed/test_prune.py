@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fuzzyspec.fixed.program import Program, Record
+from fuzzyspec.fixed.program import Assign, Define, Local, Program, ReadPort, Record, SetOutput
 from fuzzyspec.fixed.prune import prune, statements
 from fuzzyspec.fixed.run import run
 from tests.fixed.random_programs import program
@@ -27,3 +27,18 @@ def test_a_pruned_program_computes_the_same(seed: int) -> None:
         assert list(mine) == list(theirs)
         for name in mine:
             assert np.array_equal(mine[name], theirs[name]), name
+
+
+def test_a_value_is_not_put_back_where_it_is() -> None:
+    """A sum that nothing is added to is left out: compilers warn of ``total = total``."""
+    given = ReadPort("x", "uint8", 0, 255)
+    total, other = Local("total", "uint8", 0, 255), Local("other", "uint8", 0, 255)
+    body = (
+        Define(total, given, False),
+        Define(other, given, False),
+        Assign(total, total),
+        Assign(other, total),
+        SetOutput("y", total),
+        SetOutput("z", other),
+    )
+    assert prune(body) == tuple(s for s in body if s != Assign(total, total))

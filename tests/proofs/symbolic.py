@@ -198,6 +198,8 @@ class Execution:
                 return left >= right
             case ">":
                 return left > right
+            case "==":
+                return left == right
             case "!=":
                 return left != right
         raise NotImplementedError(node.op)

@@ -23,7 +23,7 @@ def small(tmp_path: Path) -> Path:
     folder.mkdir()
     path = folder / "small.fz"
     path.write_text(verify_specs.DANGER, encoding="utf-8")
-    write(api.load(path).compile(Options(optimize="size")), folder)
+    write(api.load(path).compile(Options(optimize="size", target="avr")), folder)
     return path
 
 
