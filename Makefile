@@ -68,7 +68,7 @@ RUNS ?= 1000000
 fuzz: .venv/for-fuzz ## a million inputs (RUNS, from SEED on) through parser and checker, guided by coverage: an hour
 	@$(BIN)/python -m tests.breaking.fuzz --runs $(RUNS) --seed $(or $(SEED),1) --jobs 2
 
-prove: .venv/for-test ## prove the C of the examples, benchmarks and ten random specs (or SPECS) free of alarms (Frama-C): half an hour
+prove: .venv/for-test ## prove the C of the examples, benchmarks and ten random specs (or SPECS) free of alarms (Frama-C): a quarter of an hour
 	@$(BIN)/python -m scripts.prove_all $(SPECS)
 
 prove-choices: .venv/for-test ## the same for every C that goals and targets choose, some of which keeps alarms: hours
