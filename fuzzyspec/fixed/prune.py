@@ -154,12 +154,7 @@ def _settle(body: tuple[Stmt, ...]) -> tuple[Stmt, ...]:
             case Loop() | Each():
                 out.append(replace(statement, body=_settle(statement.body)))
             case Define() | Assign() | SetOutput() | SetState():
-                value = settle(statement.value)
-                # A sum that nothing is added to is no statement: compilers warn of it.
-                if not (
-                    isinstance(statement, Assign) and isinstance(value, Local) and value.name == statement.local.name
-                ):
-                    out.append(replace(statement, value=value))
+                out.append(replace(statement, value=settle(statement.value)))
             case Window():
                 out.append(replace(statement, start=settle(statement.start)))
             case AssignElement():
@@ -175,6 +170,9 @@ def _live(body: tuple[Stmt, ...], used: frozenset[str]) -> tuple[Stmt, ...]:
     out: list[Stmt] = []
     for statement in body:
         match statement:
+            case Assign(local, Local(name)) if name == local.name:
+                # A sum that nothing is added to is no statement: compilers warn of it.
+                pass
             case Define() | Assign():
                 if statement.local.name in used:
                     out.append(statement)

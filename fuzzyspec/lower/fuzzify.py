@@ -40,10 +40,9 @@ from fuzzyspec.model.variable import Raw, Variable
 class Degrees:
     """Where an input's degrees are.
 
-    Slot j of ``array`` holds the degree of term ``first + j``: two slots and a local ``first`` in a strong
-    partition, else
-    a slot a term and 0. ``upper`` is the local with the upper term's degree where the two are kept without an array
-    (firing by minors then reads it). ``errors`` bound each term's degree's error, in degrees [0, 1].
+    Slot j of ``array`` holds the degree of term ``first + j``: two slots and a local ``first`` in a strong partition,
+    else a slot a term and 0. ``upper`` is the local with the upper term's degree where the two are kept without an
+    array (firing by minors then reads it). ``errors`` bound each term's degree's error, in degrees [0, 1].
     Where terms are not a strong partition and are fuzzified by zones (``lower.zones``), ``first`` says which of
     ``groups`` of terms can be active, and the locals ``members`` hold the degrees of the terms in it, in their order.
     """
