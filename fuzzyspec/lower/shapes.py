@@ -74,7 +74,7 @@ def without_constant_of_two(test: Compare) -> Compare:
             op, bound = ("<" if op == "<=" else ">="), last + 1
         case _:
             return test
-    if bound <= IMMEDIATE or bound & (bound - 1) or value.lo < 0:
+    if not IMMEDIATE < bound <= UINT32_MAX or bound & (bound - 1) or value.lo < 0:
         return test
     count = bound.bit_length() - 1
     above = Binary(">>", value, Const(count), value.lo >> count, value.hi >> count)
